@@ -1,0 +1,1 @@
+"""Unsteady and steady air forces: sections, strips and lifting surfaces."""

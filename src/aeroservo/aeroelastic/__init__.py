@@ -1,0 +1,1 @@
+"""Analyses of an AeroelasticModel: statics, flutter, linear systems."""

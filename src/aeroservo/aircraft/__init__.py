@@ -1,0 +1,1 @@
+"""Model files: what a user writes, checked, and turned into models."""

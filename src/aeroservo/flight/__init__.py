@@ -1,0 +1,1 @@
+"""Rigid flight mechanics: equations of motion, trim and linear models."""

@@ -1,0 +1,1 @@
+"""Gusts and turbulence: what shakes the aircraft."""
