@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FLOORS = "cli studio report studies simulate control aeroelastic aero structure flight gust aircraft".split()
+UPPER = ["cli", "studio", "report", "studies", "simulate", "control", "aeroelastic"]
+FLOORS = [*UPPER, "aero", "structure", "flight", "gust", "aircraft"]
 
 
 def lint(folder: Path) -> subprocess.CompletedProcess[str]:
