@@ -45,8 +45,8 @@ class BeamModes:
     phi : ndarray, shape (n_points, 6, n)
         Displacement (x, y, z) [m] and rotation vector [rad] in geometry axes, of modes of unit generalised mass.
     h, slope, twist : ndarray, shape (n_points, n)
-        Plunge, positive down, its derivative dh/ds along the axis (of the panel outboard of the point), and twist
-        about the axis, nose up.
+        Plunge positive down [m], its derivative dh/ds along the axis [rad] (of the panel outboard of the point), and
+        twist about the axis, nose up [rad].
     torsion_share : ndarray, shape (n,)
         Torsion's part of the strain energy of bending plus torsion; 0 for rigid-body modes. [-]
     """
@@ -156,8 +156,10 @@ def modes(
 
     Parameters
     ----------
-    beam, n, points, elements, degree
+    beam, n, elements, degree
         As in `beam_modes`.
+    points : array_like, shape (n_points,), optional
+        As in `beam_modes`. [m]
 
     Returns
     -------

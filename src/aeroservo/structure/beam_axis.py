@@ -164,7 +164,7 @@ class SlenderBeam:
         return float(self.y[-1] - self.y[0])
 
     def at(self, name: str, y: ArrayLike) -> Array:
-        """Property `name` (such as "EI") at `y` along the axis, linear between stations; sweep: that outboard of y."""
+        """Property `name` ("EI", ...) at `y` along the axis [its SI unit], linear between stations; sweep: outboard of y."""
         y = np.asarray(y, dtype=float)
         if name == "sweep":
             return np.asarray(self.sweep[self.panel(y)])
@@ -230,7 +230,7 @@ def gauss_points(nodes: ArrayLike, n: int) -> tuple[Array, Array]:
 
     References
     ----------
-    Abramowitz and Stegun, Eq. 25.4.29.
+    M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 1964, Eq. 25.4.29.
 
     Examples
     --------

@@ -240,7 +240,7 @@ def rigid_names(beam: SlenderBeam) -> tuple[str, ...]:
 
     References
     ----------
-    Project convention, issue 3: half of a free wing, symmetric or antisymmetric.
+    equations.md, "Whole aircraft" [7.43-7.46], where heave is free.
 
     Examples
     --------
@@ -259,8 +259,10 @@ def beam_matrices(beam: SlenderBeam, *, elements: int = 8, degree: int = 5, at: 
     ----------
     beam : SlenderBeam
         The beam.
-    elements, degree, at
+    elements, degree : int
         As in `beam_mesh`.
+    at : array_like, shape (m,)
+        Further element boundaries, as in `beam_mesh`. [m]
 
     Returns
     -------

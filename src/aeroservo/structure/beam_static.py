@@ -95,7 +95,7 @@ class BeamDeflection:
 
 
 def static_deflection(
-    beam: SlenderBeam, load: BeamLoad, points: ArrayLike, *, elements: int = 8, degree: int = 5
+    beam: SlenderBeam, load: BeamLoad, points: ArrayLike, *, elements: int = 16, degree: int = 5
 ) -> BeamDeflection:
     """Deflection of a clamped beam under a static load.
 
@@ -108,7 +108,7 @@ def static_deflection(
     points : array_like, shape (n,)
         Where the deflection is wanted, along the flexural axis. [m]
     elements, degree : int
-        As in `beam_mesh`; exact for constant EI and GJ in each element.
+        As in `beam_mesh`; exact where EI and GJ are constant in each element.
 
     Returns
     -------
@@ -132,16 +132,17 @@ def static_deflection(
     -0.5
     """
     _check_clamped(beam)
-    mesh = beam_mesh(beam, elements=elements, degree=degree, at=load.point_y)
     points = np.atleast_1d(np.asarray(points, dtype=float))
     check_on_span(beam, points, "points")
+    # strains kink where a load does, and displacements are most accurate at element ends
+    mesh = beam_mesh(beam, elements=elements, degree=degree, at=np.concatenate([load.point_y, load.y, points]))
     force = _generalised_force(mesh, load)
     blocks = stiffness_blocks(mesh)
     strain = np.linalg.solve(blocks, force.reshape(len(blocks), -1, 1)).ravel()
     return deflection_from_motion(beam, points, strain_shapes(mesh, points) @ strain)
 
 
-def flexibility(beam: SlenderBeam, points: ArrayLike, *, elements: int = 8, degree: int = 5) -> Array:
+def flexibility(beam: SlenderBeam, points: ArrayLike, *, elements: int = 16, degree: int = 5) -> Array:
     """Flexibility matrix of a clamped beam at points of its axis, by finite elements.
 
     Parameters
@@ -325,7 +326,7 @@ def check_on_span(beam: SlenderBeam, y: ArrayLike, name: str) -> None:
 
     References
     ----------
-    Project convention: errors name argument, unit, range and value.
+    equations.md, "Conventions".
 
     Examples
     --------
