@@ -1,0 +1,115 @@
+"""Vortex lattice against PanelAero's on the same panels, and cost against panel count. Prints ratios of one run.
+
+python benchmarks/vlm.py            # both tables
+python benchmarks/vlm.py --short    # the comparison only
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import tracemalloc
+
+import numpy as np
+
+from aeroservo.aero.vlm import Lattice, VortexLattice, lattice, lattice_surface
+from aeroservo.aero.vlm_solve import Normalwash, solve_lattice
+
+ROOT_CHORD, TIP_CHORD, HALF_SPAN, TIP_OFFSET = 0.7, 0.3, 1.0, 0.5245
+
+
+def wing(chordwise: int, half_strips: int, *, full: bool) -> Lattice:
+    """The thesis wing with even panels: both codes are then on the same points."""
+    options = VortexLattice(chordwise=chordwise, spanwise=half_strips, spacing="uniform")
+    edge = [[0.0, 0.0, 0.0], [TIP_OFFSET, HALF_SPAN, 0.0]]
+    return lattice([lattice_surface("wing", edge, [ROOT_CHORD, TIP_CHORD], options=options)], full=full)
+
+
+def panelaero_grid(grid: Lattice) -> dict:
+    """The same panels in PanelAero's dictionary (its vortex runs the other way round in z: only signs differ)."""
+    along = grid.b - grid.a
+    width = np.hypot(along[:, 1], along[:, 2])
+    return {
+        "n": len(grid),
+        "offset_j": grid.control.copy(),
+        "offset_P1": grid.a.copy(),
+        "offset_P3": grid.b.copy(),
+        "N": grid.normal.copy(),
+        "A": grid.chord * width,
+        "l": grid.chord.copy(),
+    }
+
+
+def right_hand_sides(grid: Lattice, count: int = 10) -> Normalwash:
+    """Smooth columns, half of them antisymmetric."""
+    x, y = grid.control[:, 0], grid.control[:, 1]
+    parity = np.array([1 if i % 2 == 0 else -1 for i in range(count)])
+    values = [x ** (i // 2) * (y if parity[i] < 0 else 1.0) for i in range(count)]
+    return Normalwash(names=tuple(f"w{i}" for i in range(count)), values=np.stack(values, axis=-1), parity=parity)
+
+
+def best_of(function, repeats: int) -> float:
+    """Shortest wall time [s]."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def compare(repeats: int = 5) -> None:
+    """Full wing of 16 x 64 panels, ten right-hand sides."""
+    from panelaero import VLM
+
+    half, full = wing(16, 32, full=False), wing(16, 32, full=True)
+    w_half, w_full = right_hand_sides(half), right_hand_sides(full)
+    other = panelaero_grid(full)
+    w = w_full.values
+
+    def theirs() -> np.ndarray:
+        qjj, _ = VLM.calc_Qjj(other, 0.0)
+        return qjj @ w
+
+    only_symmetric = Normalwash(names=w_half.names, values=w_half.values, parity=np.ones(10, dtype=int))
+    ours_half = solve_lattice(half, w_half).gamma
+    ours_full = solve_lattice(full, w_full).gamma
+    # PanelAero returns pressure coefficients: cp = 2 Gamma/(V chord)
+    cp = theirs()
+    difference = np.abs(2.0 * ours_full / full.chord[:, None] - cp).max() / np.abs(cp).max()
+    twin = np.abs(ours_half - ours_full[: len(half)]).max() / np.abs(ours_full).max()
+    t_other = best_of(theirs, repeats)
+    t_full = best_of(lambda: solve_lattice(full, w_full), repeats)
+    t_half = best_of(lambda: solve_lattice(half, w_half), repeats)
+    t_even = best_of(lambda: solve_lattice(half, only_symmetric), repeats)
+    print(f"full wing 16 x 64 = {len(full)} panels, matrix + solve, 10 right-hand sides (best of {repeats})")
+    print(f"  PanelAero VLM + inverse               {t_other * 1e3:9.1f} ms     1.0")
+    print(f"  ours, no symmetry                     {t_full * 1e3:9.1f} ms  {t_other / t_full:6.1f} x   (target 3)")
+    print(f"  ours, symmetry, 5 + 5 columns         {t_half * 1e3:9.1f} ms  {t_other / t_half:6.1f} x   (target 15)")
+    print(f"  ours, symmetry, symmetric columns     {t_even * 1e3:9.1f} ms  {t_other / t_even:6.1f} x")
+    print(f"  largest difference from PanelAero {difference:.1e}, half from full {twin:.1e}")
+
+
+def cost() -> None:
+    """Time and memory against the number of panels, without symmetry."""
+    print("panels   time [ms]   per panel^2 [ns]   peak memory [MB]   matrix [MB]")
+    for chordwise, strips in ((4, 16), (8, 16), (8, 32), (16, 32), (20, 50), (20, 100)):
+        grid = wing(chordwise, strips, full=True)
+        columns = right_hand_sides(grid)
+        solve_lattice(grid, columns)
+        seconds = best_of(lambda g=grid, c=columns: solve_lattice(g, c), 1 if len(grid) > 2000 else 3)
+        tracemalloc.start()
+        solve_lattice(grid, columns)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        n = len(grid)
+        print(f"{n:6d} {seconds * 1e3:11.1f} {seconds / n**2 * 1e9:18.1f} {peak / 1e6:18.1f} {8 * n * n / 1e6:13.1f}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--short", action="store_true", help="comparison only")
+    arguments = parser.parse_args()
+    compare()
+    if not arguments.short:
+        cost()
