@@ -90,7 +90,8 @@ def beam_modes(
     points : array_like, shape (n_points,), optional
         Where shapes are wanted, along the flexural axis; 33 equally spaced points by default. [m]
     elements : int, optional
-        Elements over the length, default the larger of 8 and `n`.
+        Elements over the length, default the larger of 8 and 2 n: then all n frequencies
+        of a uniform wing are good to 1e-6.
     degree : int
         Degree p of the deflection in an element; omega^2 converges as h^(2 p - 2).
 
@@ -124,7 +125,7 @@ def beam_modes(
         raise ValueError(
             f"points must lie on the span, {beam.y[0]:g} to {beam.y[-1]:g} m along the axis, got {y.tolist()}"
         )
-    matrices = beam_matrices(beam, elements=max(8, n) if elements is None else elements, degree=degree)
+    matrices = beam_matrices(beam, elements=max(8, 2 * n) if elements is None else elements, degree=degree)
     mesh, r = matrices.mesh, len(matrices.rigid_names)
     rigid = np.diag(1.0 / np.sqrt(np.diag(matrices.M)[:r]))[:, :n]
     omega, coordinates = _elastic_modes(matrices, n - rigid.shape[1])
@@ -217,7 +218,7 @@ def _torsion_share(mesh: BeamMesh, strain: Array) -> Array:
     """Torsion's part of the strain energies of bending and torsion, without that of their coupling."""
     k = mesh.terms
     blocks = stiffness_blocks(mesh)
-    parts = strain.reshape(-1, 2, k, strain.shape[1])
+    parts = strain.reshape(len(blocks), 2, k, strain.shape[1])
     bending, torsion = (
         np.einsum("ein,eij,ejn->n", parts[:, i], blocks[:, i * k : (i + 1) * k, i * k : (i + 1) * k], parts[:, i])
         for i in (0, 1)

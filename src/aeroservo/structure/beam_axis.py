@@ -164,7 +164,7 @@ class SlenderBeam:
         return float(self.y[-1] - self.y[0])
 
     def at(self, name: str, y: ArrayLike) -> Array:
-        """Property `name` ("EI", ...) at `y` along the axis [its SI unit], linear between stations; sweep: outboard of y."""
+        """Property `name` ("EI", ...) at `y` along the axis [its SI unit], linear between stations; sweep is a step."""
         y = np.asarray(y, dtype=float)
         if name == "sweep":
             return np.asarray(self.sweep[self.panel(y)])
