@@ -95,7 +95,7 @@ class BeamDeflection:
 
 
 def static_deflection(
-    beam: SlenderBeam, load: BeamLoad, points: ArrayLike, *, elements: int = 16, degree: int = 5
+    beam: SlenderBeam, load: BeamLoad, points: ArrayLike, *, elements: int = 16, degree: int = 7
 ) -> BeamDeflection:
     """Deflection of a clamped beam under a static load.
 
@@ -142,7 +142,7 @@ def static_deflection(
     return deflection_from_motion(beam, points, strain_shapes(mesh, points) @ strain)
 
 
-def flexibility(beam: SlenderBeam, points: ArrayLike, *, elements: int = 16, degree: int = 5) -> Array:
+def flexibility(beam: SlenderBeam, points: ArrayLike, *, elements: int = 16, degree: int = 7) -> Array:
     """Flexibility matrix of a clamped beam at points of its axis, by finite elements.
 
     Parameters
