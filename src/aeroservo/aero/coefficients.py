@@ -99,7 +99,7 @@ class AeroCoefficients:
     CL_alpha, CM_alpha : float
         [1/rad]
     CL_q, CM_q, CL_alphadot, CM_alphadot : float or None
-        None where the source does not know them.
+        None where the source does not know them. [1/rad, or rad/m for "1/V"]
     controls : tuple of str
         Names of the controls.
     CL_delta, CM_delta : array_like, shape (n_controls,)
@@ -234,14 +234,14 @@ def coefficients_on(coefficients: AeroCoefficients, *, S: float, c: float, b: fl
 
     References
     ----------
-    Definitions of the coefficients.
+    B. Etkin, L. Reid, Dynamics of Flight, 1996, section 4.1 (definitions of the coefficients).
 
     Examples
     --------
     >>> ref = Reference(S=1.0, c=0.5, b=2.0)
     >>> plate = AeroCoefficients(reference=ref, CL0=0.1, CM0=0.0, CL_alpha=4.0, CM_alpha=-1.0, CL_q=3.0, CM_q=-1.0)
     >>> coefficients_on(plate, S=2.0, c=0.5, b=2.0, rates="c/V").CL_q
-    3.0
+    0.75
     """
     old = coefficients.reference
     new = Reference(S=S, c=c, b=b, point=old.point)
@@ -297,7 +297,7 @@ def rate_length(rates: Rates, c: float) -> float:
 
     References
     ----------
-    Thesis [7.47-7.58] uses c/(2U); appendix A.3.
+    Bramstång 2015, thesis [7.47], which uses c/(2U).
 
     Examples
     --------
@@ -317,7 +317,7 @@ def body_axes(CL: np.ndarray, CD: np.ndarray, alpha: np.ndarray | float) -> tupl
     ----------
     CL, CD : array_like, shape (...)
         Lift and drag coefficients. [-]
-    alpha : array_like, broadcast to (...)
+    alpha : array_like, shape that broadcasts to (...)
         Angle of attack. [rad]
 
     Returns
@@ -346,7 +346,7 @@ def wind_axes(CN: np.ndarray, CA: np.ndarray, alpha: np.ndarray | float) -> tupl
     ----------
     CN, CA : array_like, shape (...)
         Normal and axial force coefficients. [-]
-    alpha : array_like, broadcast to (...)
+    alpha : array_like, shape that broadcasts to (...)
         Angle of attack. [rad]
 
     Returns

@@ -20,15 +20,15 @@ COLUMNS = ("alpha_deg", "delta_deg", "reynolds", "CL", "CD", "CN", "CA", "CM")
 class LinearFit:
     """Least-squares plane through a table; see `linear_fit`."""
 
-    CL0: float
+    CL0: float  # [-]
     CL_alpha: float  # [1/rad]
     CL_delta: float  # [1/rad] 0 where the table has one deflection
-    CM0: float
+    CM0: float  # [-]
     CM_alpha: float  # [1/rad]
     CM_delta: float  # [1/rad]
     CL_residual: float  # [-] root mean square
     CM_residual: float  # [-]
-    points: int
+    points: int  # number of points used
 
 
 def read_coefficients(
@@ -124,7 +124,7 @@ def linear_fit(
 
     References
     ----------
-    Thesis [3.5].
+    Bramstång 2015, thesis [3.5].
 
     Examples
     --------
@@ -205,9 +205,10 @@ def _table(path: Path, rows: list[dict[str, float]]) -> CoefficientTable:
     else:
         CL, CD = wind_axes(np.array([r["CN"] for r in rows]), np.array([r["CA"] for r in rows]), alpha)
     CM = np.array([row["CM"] for row in rows])
-    axes, index = zip(*(np.unique(x, return_inverse=True) for x in (reynolds, delta, alpha)))
+    unique = [np.unique(x, return_inverse=True) for x in (reynolds, delta, alpha)]
+    axes, index = [u[0] for u in unique], tuple(u[1] for u in unique)
     place = np.ravel_multi_index(index, [len(axis) for axis in axes])
-    if len(np.unique(place)) != len(place):
+    if np.unique(place).size != place.size:
         raise ValueError(f"{path.name}: a point (reynolds, delta, alpha) comes twice; average repeats first")
     tables = []
     for values in (CL, CD, CM):

@@ -16,7 +16,7 @@ from aeroservo.aero.vlm_solve import LatticeSolution
 class InducedDrag:
     """Drag area as a quadratic form: D/q = x . matrix . x for inputs x in the order of `names`."""
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names of the inputs
     matrix: np.ndarray  # (m, m) [m^2] symmetric
 
     def area(self, inputs: np.ndarray) -> np.ndarray:
@@ -41,7 +41,7 @@ def induced_drag(solution: LatticeSolution) -> InducedDrag:
     References
     ----------
     D = -(rho/2) * integral of Gamma w_n ds over the wake's trace: J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001,
-    Eq. 8.146.
+    chapter 8.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def trefftz_influence(lattice: Lattice, *, image: bool = False) -> np.ndarray:
 
     References
     ----------
-    Two straight vortices 2/(4 pi d) each; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, Eq. 8.147.
+    Two straight vortices 2/(4 pi d) each; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 8.
 
     Examples
     --------

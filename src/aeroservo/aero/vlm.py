@@ -60,12 +60,12 @@ class VortexLattice:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hinge:
-    """Hinge line of a control: fractions of the developed span, and of the chord at those ends. [-]"""
+    """Hinge line of a control, straight between its ends."""
 
-    span_from: float
-    span_to: float
-    chord_from: float
-    chord_to: float
+    span_from: float  # [-] fraction of the surface's developed span
+    span_to: float  # [-]
+    chord_from: float  # [-] fraction of the chord there
+    chord_to: float  # [-]
 
     def at(self, span: np.ndarray) -> np.ndarray:
         """Hinge's chord fraction at span fractions (...), NaN beside the control [-]."""
@@ -139,8 +139,8 @@ class Lattice:
     strip_span: np.ndarray  # (m,) [-] fraction of the surface's developed span at the control points
     strip_surface: np.ndarray  # (m,) index of the surface
     strip_side: np.ndarray  # (m,) +1, or -1 for the explicit twin of a mirrored surface
-    surfaces: tuple[str, ...]
-    mirrored: bool
+    surfaces: tuple[str, ...]  # names of the surfaces
+    mirrored: bool  # whether images complete the flow
 
     @property
     def strip_width(self) -> np.ndarray:
@@ -194,7 +194,7 @@ def lattice_surface(
 
     References
     ----------
-    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, section 12.1.
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12.
 
     Examples
     --------
@@ -245,7 +245,7 @@ def lattice(surfaces: Sequence[LatticeSurface], *, full: bool = False) -> Lattic
 
     References
     ----------
-    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, section 12.1 (horseshoe elements, image of a half wing).
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12 (horseshoe elements, image of a half wing).
 
     Examples
     --------

@@ -6,7 +6,7 @@ infinity. For unit circulation the velocity at r, with r1 = r - a and r2 = r - b
     1/(4 pi) * [ (r1 x r2)(1/|r1| + 1/|r2|)/(|r1||r2| + r1.r2) + (r1 x e_x)/(|r1|(|r1| - r1.e_x))
                  - (r2 x e_x)/(|r2|(|r2| - r2.e_x)) ]
 
-(M. Drela, Flight Vehicle Aerodynamics, MIT Press 2014, Eq. 6.33). Behind a leg |r| - r.e_x cancels and
+(M. Drela, Flight Vehicle Aerodynamics, MIT Press 2014, section 6.5). Behind a leg |r| - r.e_x cancels and
 d^2/(|r| + r.e_x) is used for it. Inside the core radius a piece is left out.
 """
 

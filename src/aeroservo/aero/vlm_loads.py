@@ -18,19 +18,19 @@ from aeroservo.aero.vlm_solve import LatticeSolution
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LatticeLoads:
-    """Force (m, 3) [m^2] and moment (m, 3) [m^3] over dynamic pressure per unit of each input, geometry axes."""
+    """Force and moment over dynamic pressure per unit of each input, geometry axes."""
 
-    names: tuple[str, ...]
-    point: np.ndarray
-    force: np.ndarray
-    moment: np.ndarray
+    names: tuple[str, ...]  # names of the inputs
+    point: np.ndarray  # (3,) [m] point of the moments
+    force: np.ndarray  # (m, 3) [m^2]
+    moment: np.ndarray  # (m, 3) [m^3]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpanLoading:
     """Loading of the strips per unit of each input; see `span_loading`."""
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names of the inputs
     y: np.ndarray  # (n_strips,) [m] control stations
     z: np.ndarray  # (n_strips,) [m]
     chord: np.ndarray  # (n_strips,) [m]
@@ -46,17 +46,47 @@ class SpanLoading:
 class LatticeDerivatives:
     """Coefficients per unit input; rates per p b/(2V), q c/(2V), r b/(2V). See `lattice_derivatives`."""
 
-    names: tuple[str, ...]
-    reference: Reference
-    CL: np.ndarray  # (m,) lift
-    CY: np.ndarray  # (m,) side force, to starboard
-    Cl: np.ndarray  # (m,) rolling moment, starboard wing down
-    CM: np.ndarray  # (m,) pitching moment, nose up
-    Cn: np.ndarray  # (m,) yawing moment, nose to starboard
-    mach: float
+    names: tuple[str, ...]  # names of the inputs
+    reference: Reference  # what the coefficients refer to
+    CL: np.ndarray  # (m,) [1/rad] lift
+    CY: np.ndarray  # (m,) [1/rad] side force, to starboard
+    Cl: np.ndarray  # (m,) [1/rad] rolling moment, starboard wing down
+    CM: np.ndarray  # (m,) [1/rad] pitching moment, nose up
+    Cn: np.ndarray  # (m,) [1/rad] yawing moment, nose to starboard
+    mach: float  # [-] Mach number of the solution
 
     def of(self, coefficient: str, name: str) -> float:
-        """One derivative, for instance ``of("CM", "alpha")``."""
+        """One derivative.
+
+        Parameters
+        ----------
+        coefficient : {"CL", "CY", "Cl", "CM", "Cn"}
+            Name of the coefficient.
+        name : str
+            Name of the input.
+
+        Returns
+        -------
+        derivative : float
+            Per unit of the input. [1/rad]
+
+        Raises
+        ------
+        ValueError
+            If there is no such coefficient or input.
+
+        References
+        ----------
+        Project convention: contract.md, "Other JSON", command `aero`.
+
+        Examples
+        --------
+        >>> ref = Reference(S=1.0, c=1.0, b=1.0)
+        >>> one = np.ones(1)
+        >>> d = LatticeDerivatives(names=("q",), reference=ref, CL=one, CY=one, Cl=one, CM=one, Cn=one, mach=0.0)
+        >>> d.of("CM", "q")
+        1.0
+        """
         if name not in self.names:
             raise ValueError(f"no input {name!r}; there are {', '.join(self.names)}")
         if coefficient not in ("CL", "CY", "Cl", "CM", "Cn"):
@@ -90,7 +120,7 @@ def panel_forces(solution: LatticeSolution) -> tuple[np.ndarray, np.ndarray]:
 
     References
     ----------
-    Kutta-Joukowsky; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, Eq. 12.25.
+    Kutta-Joukowsky; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12.
 
     Examples
     --------
@@ -128,7 +158,7 @@ def lattice_loads(solution: LatticeSolution, point: Sequence[float] | np.ndarray
 
     References
     ----------
-    Kutta-Joukowsky; the sum over the image half keeps what its parity allows.
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12; the image half doubles what its parity allows.
 
     Examples
     --------
@@ -173,7 +203,7 @@ def lattice_derivatives(solution: LatticeSolution, reference: Reference) -> Latt
 
     References
     ----------
-    Definitions of the usual derivatives; thesis [3.5], [5.24-5.27].
+    Bramstång 2015, thesis [3.5], [5.24-5.27].
 
     Examples
     --------
@@ -219,7 +249,7 @@ def span_loading(solution: LatticeSolution) -> SpanLoading:
 
     References
     ----------
-    Kutta-Joukowsky per strip: c_l = 2 Gamma/(V c).
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, section 3.11 per strip: c_l = 2 Gamma/(V c).
 
     Examples
     --------
@@ -266,7 +296,7 @@ def strip_circulation(solution: LatticeSolution) -> np.ndarray:
 
     References
     ----------
-    Helmholtz: a strip's trailing vortices carry the sum of its bound ones.
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 2 (Helmholtz' theorems).
 
     Examples
     --------
@@ -308,7 +338,7 @@ def hinge_moments(solution: LatticeSolution, surface: str, hinge: Hinge) -> tupl
 
     References
     ----------
-    Thin-airfoil hinge moment: H. Glauert, ARC R&M 1095, 1927.
+    H. Glauert, ARC Reports and Memoranda no. 1095, 1927 (the two-dimensional limit).
 
     Examples
     --------

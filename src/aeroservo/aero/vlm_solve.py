@@ -56,10 +56,10 @@ class Normalwash:
 class LatticeSolution:
     """Circulation of every panel per unit of every input; see `solve_lattice`."""
 
-    lattice: Lattice
-    normalwash: Normalwash
+    lattice: Lattice  # the panels
+    normalwash: Normalwash  # the right-hand sides
     gamma: np.ndarray  # (n, m) [m] circulation over airspeed
-    mach: float
+    mach: float  # [-] Mach number
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -84,7 +84,7 @@ def rigid_normalwash(lattice: Lattice, point: Sequence[float] | np.ndarray) -> N
 
     References
     ----------
-    M. Drela, Flight Vehicle Aerodynamics, 2014, Eqs. 6.21-6.24; signs of the project's conventions.
+    M. Drela, Flight Vehicle Aerodynamics, 2014, section 6.5; signs of the project's conventions.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def slope_normalwash(lattice: Lattice, name: str, slope: np.ndarray, *, parity: 
 
     References
     ----------
-    Flow tangency of thin-airfoil theory; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, Eq. 5.21.
+    Flow tangency of thin-airfoil theory; J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 5.
 
     Examples
     --------
@@ -177,7 +177,8 @@ def control_normalwash(
 
     References
     ----------
-    Deflection streamwise (a hinge swept by L turns by delta/cos L about itself). Camber of the morphed control:
+    Thin-airfoil theory of a bent mean line: H. Glauert, ARC Reports and Memoranda no. 1095, 1927. The deflection is
+    streamwise (a hinge swept by L turns by delta/cos L about itself). Camber of the morphed control:
     dz = -tan(delta) s (x - x_h)^2/(1 - x_h), s = 1 (same drop) or 1/2 (same slope).
 
     Examples
@@ -274,7 +275,7 @@ def join_normalwash(parts: Sequence[Normalwash]) -> Normalwash:
 
     References
     ----------
-    The linear boundary condition: any number of right-hand sides, one matrix.
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12: any number of right-hand sides, one matrix.
 
     Examples
     --------
@@ -317,7 +318,7 @@ def normal_velocity(lattice: Lattice, *, mach: float = 0.0, image: bool = False)
 
     References
     ----------
-    M. Drela, Flight Vehicle Aerodynamics, 2014, Eq. 6.33; Goethert's rule as in S. Hedman, FFA Report 105, 1965.
+    M. Drela, Flight Vehicle Aerodynamics, 2014, section 6.5; Goethert's rule as in S. Hedman, FFA Report 105, 1965.
 
     Examples
     --------
@@ -364,7 +365,7 @@ def solve_lattice(lattice: Lattice, normalwash: Normalwash, *, mach: float = 0.0
 
     References
     ----------
-    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, Eq. 12.10.
+    J. Katz, A. Plotkin, Low-Speed Aerodynamics, 2001, chapter 12.
 
     Examples
     --------

@@ -37,7 +37,8 @@ def span_edges(n: int, breaks: Sequence[float] = (), *, spacing: Spacing = "cosi
 
     References
     ----------
-    J. DeYoung, NASA SP-405, 1976 (control stations half-way in the angle make the induced drag converge fast).
+    J. DeYoung, NASA SP-405, 1976, "Optimum lattice arrangement": control stations half-way in the angle make the
+    induced drag converge fast.
 
     Examples
     --------
@@ -85,7 +86,7 @@ def chord_edges(n: int, hinge: float | None = None, *, spacing: str = "uniform")
 
     References
     ----------
-    R. M. James, Computer Methods in Applied Mechanics and Engineering 1, 1972: with the 1/4-3/4 rule the
+    R. M. James, Computer Methods in Applied Mechanics and Engineering 1(1), 1972: with the 1/4-3/4 rule the
     flat plate's lift is exact on even panels.
 
     Examples

@@ -57,11 +57,11 @@ class MassItem:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MassProperties:
-    """Mass [kg], centre of gravity (3,) [m] and inertia (3, 3) about it [kg m^2], geometry axes."""
+    """What mass items add up to, in geometry axes."""
 
-    mass: float
-    cg: np.ndarray
-    inertia: np.ndarray
+    mass: float  # [kg]
+    cg: np.ndarray  # (3,) [m] centre of gravity
+    inertia: np.ndarray  # (3, 3) [kg m^2] about the centre of gravity
 
     def about(self, point: np.ndarray) -> np.ndarray:
         """Inertia about another point (3,) [m], shape (3, 3) [kg m^2]."""
