@@ -136,7 +136,7 @@ def frequency_response(plant: Matrices, omega: ArrayLike) -> Array:
     return C @ np.linalg.solve(s * np.eye(A.shape[0]) - A, np.broadcast_to(B, (s.size, *B.shape)).astype(complex)) + D
 
 
-def frequency_grid(A: ArrayLike, low: float, high: float, *, per_decade: int = 200, per_peak: int = 200) -> Array:
+def frequency_grid(A: ArrayLike, low: float, high: float, *, per_decade: int = 200, per_peak: int = 800) -> Array:
     """Frequencies that resolve every resonance of a system, however little damped.
 
     Parameters
