@@ -7,13 +7,17 @@ python benchmarks/vlm.py --short    # the comparison only
 from __future__ import annotations
 
 import argparse
+import os
 import time
 import tracemalloc
 
-import numpy as np
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")  # one thread each: a busy machine then slows both sides alike
 
-from aeroservo.aero.vlm import Lattice, VortexLattice, lattice, lattice_surface
-from aeroservo.aero.vlm_solve import Normalwash, solve_lattice
+import numpy as np  # noqa: E402
+
+from aeroservo.aero.vlm import Lattice, VortexLattice, lattice, lattice_surface  # noqa: E402
+from aeroservo.aero.vlm_solve import Normalwash, solve_lattice  # noqa: E402
 
 ROOT_CHORD, TIP_CHORD, HALF_SPAN, TIP_OFFSET = 0.7, 0.3, 1.0, 0.5245
 
@@ -48,17 +52,18 @@ def right_hand_sides(grid: Lattice, count: int = 10) -> Normalwash:
     return Normalwash(names=tuple(f"w{i}" for i in range(count)), values=np.stack(values, axis=-1), parity=parity)
 
 
-def best_of(function, repeats: int) -> float:
-    """Shortest wall time [s]."""
-    times = []
+def best_of(functions, repeats: int) -> list[float]:
+    """Shortest wall time of each function [s], taken in turns so that a busy machine hits all of them alike."""
+    times: list[list[float]] = [[] for _ in functions]
     for _ in range(repeats):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
+        for function, taken in zip(functions, times):
+            start = time.perf_counter()
+            function()
+            taken.append(time.perf_counter() - start)
+    return [min(taken) for taken in times]
 
 
-def compare(repeats: int = 5) -> None:
+def compare(repeats: int = 9) -> None:
     """Full wing of 16 x 64 panels, ten right-hand sides."""
     from panelaero import VLM
 
@@ -78,10 +83,13 @@ def compare(repeats: int = 5) -> None:
     cp = theirs()
     difference = np.abs(2.0 * ours_full / full.chord[:, None] - cp).max() / np.abs(cp).max()
     twin = np.abs(ours_half - ours_full[: len(half)]).max() / np.abs(ours_full).max()
-    t_other = best_of(theirs, repeats)
-    t_full = best_of(lambda: solve_lattice(full, w_full), repeats)
-    t_half = best_of(lambda: solve_lattice(half, w_half), repeats)
-    t_even = best_of(lambda: solve_lattice(half, only_symmetric), repeats)
+    runs = (
+        theirs,
+        lambda: solve_lattice(full, w_full),
+        lambda: solve_lattice(half, w_half),
+        lambda: solve_lattice(half, only_symmetric),
+    )
+    t_other, t_full, t_half, t_even = best_of(runs, repeats)
     print(f"full wing 16 x 64 = {len(full)} panels, matrix + solve, 10 right-hand sides (best of {repeats})")
     print(f"  PanelAero VLM + inverse               {t_other * 1e3:9.1f} ms     1.0")
     print(f"  ours, no symmetry                     {t_full * 1e3:9.1f} ms  {t_other / t_full:6.1f} x   (target 3)")
@@ -97,7 +105,7 @@ def cost() -> None:
         grid = wing(chordwise, strips, full=True)
         columns = right_hand_sides(grid)
         solve_lattice(grid, columns)
-        seconds = best_of(lambda g=grid, c=columns: solve_lattice(g, c), 1 if len(grid) > 2000 else 3)
+        seconds = best_of([lambda g=grid, c=columns: solve_lattice(g, c)], 2 if len(grid) > 2000 else 5)[0]
         tracemalloc.start()
         solve_lattice(grid, columns)
         peak = tracemalloc.get_traced_memory()[1]

@@ -149,8 +149,8 @@ class Lattice:
 
     @property
     def core(self) -> float:
-        """Radius inside which a vortex does not act [m]: a millionth of the narrowest strip."""
-        return 1e-6 * float(self.strip_width.min())
+        """Radius inside which a vortex does not act [m]: a millionth of the narrowest strip or shortest panel."""
+        return 1e-6 * float(min(self.strip_width.min(), self.chord.min()))
 
     def __len__(self) -> int:
         return len(self.chord)

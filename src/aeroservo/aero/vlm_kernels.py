@@ -7,7 +7,8 @@ infinity. For unit circulation the velocity at r, with r1 = r - a and r2 = r - b
                  - (r2 x e_x)/(|r2|(|r2| - r2.e_x)) ]
 
 (M. Drela, Flight Vehicle Aerodynamics, MIT Press 2014, section 6.5). Behind a leg |r| - r.e_x cancels and
-d^2/(|r| + r.e_x) is used for it. Inside the core radius a piece is left out.
+d^2/(|r| + r.e_x) is used for it; beside the segment |r1||r2| + r1.r2 cancels and |r1 x r2|^2/(|r1||r2| - r1.r2) is
+used. Inside the core radius a piece is left out.
 """
 
 import math
@@ -16,6 +17,15 @@ import numpy as np
 from numba import njit
 
 FOUR_PI = 4.0 * math.pi
+
+
+@njit(cache=True, fastmath={"nsz", "arcp", "contract", "reassoc"}, error_model="numpy", inline="always")
+def _bound(m1, m2, dot, cross2):
+    """(1/m1 + 1/m2)/(m1 m2 + dot); beside the segment, where the sum cancels, by way of the cross product."""
+    product = m1 * m2
+    numerator = product - dot if dot < 0.0 else 1.0
+    denominator = cross2 if dot < 0.0 else product + dot
+    return (m1 + m2) * numerator / (product * denominator)
 
 
 @njit(cache=True, fastmath={"nsz", "arcp", "contract", "reassoc"}, error_model="numpy", inline="always")
@@ -42,9 +52,7 @@ def normal_influence(px, py, pz, ny, nz, ax, ay, az, bx, by, bz, core2, out):
             cy = r1z * r2x - r1x * r2z
             cz = r1x * r2y - r1y * r2x
             lx, ly, lz = r1x - r2x, r1y - r2y, r1z - r2z
-            product = m1 * m2
-            denominator = product * (product + (r1x * r2x + r1y * r2y + r1z * r2z))
-            bound = (m1 + m2) / denominator
+            bound = _bound(m1, m2, r1x * r2x + r1y * r2y + r1z * r2z, cx * cx + cy * cy + cz * cz)
             if cx * cx + cy * cy + cz * cz <= core2 * (lx * lx + ly * ly + lz * lz):
                 bound = 0.0
             g1 = _leg(r1x, d1, m1, core2)
@@ -70,9 +78,7 @@ def velocity_influence(px, py, pz, ax, ay, az, bx, by, bz, core2, out):
             cy = r1z * r2x - r1x * r2z
             cz = r1x * r2y - r1y * r2x
             lx, ly, lz = r1x - r2x, r1y - r2y, r1z - r2z
-            product = m1 * m2
-            denominator = product * (product + (r1x * r2x + r1y * r2y + r1z * r2z))
-            bound = (m1 + m2) / denominator
+            bound = _bound(m1, m2, r1x * r2x + r1y * r2y + r1z * r2z, cx * cx + cy * cy + cz * cz)
             if cx * cx + cy * cy + cz * cz <= core2 * (lx * lx + ly * ly + lz * lz):
                 bound = 0.0
             g1 = _leg(r1x, d1, m1, core2)
