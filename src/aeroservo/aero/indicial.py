@@ -99,7 +99,7 @@ def kussner_function(s: ArrayLike) -> Real:
     References
     ----------
     H. G. Küssner, Luftfahrtforschung 13, 1936; Th. von Kármán and W. R. Sears, J. Aeronautical Sciences 5, 1938;
-    weight derived from Sears' function over p on its cut.
+    equations.md, "Aerodynamics"; weight derived from Sears' function over p on its cut.
 
     Examples
     --------
@@ -120,8 +120,7 @@ def _step_response(s: ArrayLike, rates: Real, weights: Real, *, start: float) ->
         block = flat[i : i + _BLOCK]
         alive = rates * block.min() < 50.0
         out[i : i + _BLOCK] = 1.0 - np.exp(-block[:, None] * rates[alive]) @ weights[alive]
-    out = out.reshape(s.shape)
-    return np.where(s > 0.0, out, np.where(s == 0.0, start, 0.0))
+    return np.where(s > 0.0, out.reshape(s.shape), np.where(s == 0.0, start, 0.0))
 
 
 @cache

@@ -93,6 +93,9 @@ def generalized_theodorsen_function(p: ArrayLike) -> Complex:
     >>> np.round(generalized_theodorsen_function([0.0, 0.1j, 0.05 + 0.1j, 0.1]), 4)
     array([1.    +0.j    , 0.8319-0.1723j, 0.8022-0.1174j, 0.8024+0.j    ])
     """
+    p = np.asarray(p, dtype=complex)
+    if np.all((p.real == 0.0) & (p.imag >= 0.0) & (p.imag < np.inf)):
+        return theodorsen_function(p.imag)  # on the axis: real Bessel functions, five times faster
     K0, K1 = scaled_macdonald(p)
     return 1.0 / (1.0 + K0 / K1)
 
