@@ -233,7 +233,7 @@ def new(preset: str, file: str | os.PathLike[str], *, force: bool = False) -> Pa
         hint = nearest(preset, names)
         raise ModelFileError(f"no preset named {clean(preset, 60)!r}{hint}; the presets are {', '.join(names)}")
     path = Path(file)
-    if path.is_dir():
+    if os.path.isdir(path):
         raise ModelFileError(f"{path}: is a folder; give the name of the file to write")
     try:
         write_whole(path, (_PRESETS / f"{preset}.toml").read_bytes(), force=force)
@@ -308,9 +308,8 @@ def _located(name_or_path: str | os.PathLike[str]) -> Path:
     if isinstance(name_or_path, str) and given in {path.stem for path in _PRESETS.glob("*.toml")}:
         return _PRESETS / f"{given}.toml"
     try:
-        path = Path(given)
-        if os.path.lexists(path):
-            return path
+        if os.path.lexists(given):
+            return Path(given)
     except (OSError, ValueError):  # a name that the system does not take
         pass
     names = [path.stem for path in sorted(_PRESETS.glob("*.toml"))]

@@ -55,7 +55,18 @@ class ModalFile(FileModel):
 
     @property
     def arrays(self) -> ModalData:
-        """The arrays of the data file, as `aircraft.modal_data.ModalData`."""
+        """The arrays of the data file.
+
+        Returns
+        -------
+        arrays : ModalData
+            Structure and air forces in the user's modes. [SI]
+
+        Raises
+        ------
+        ValueError
+            If this model was not made by `read`.
+        """
         if self._arrays is None:
             raise ValueError("this model of kind 'modal' has no arrays yet: load it with aeroservo.read")
         return self._arrays

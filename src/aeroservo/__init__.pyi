@@ -1,0 +1,31 @@
+from .aero.rational import RationalFit as RationalFit
+from .aero.rational import fit_rational as fit_rational
+from .aeroelastic.build import build as build
+from .aeroelastic.flutter import PK as PK
+from .aeroelastic.flutter import FlutterResult as FlutterResult
+from .aeroelastic.flutter import G as G
+from .aeroelastic.flutter import Interval as Interval
+from .aeroelastic.flutter import K as K
+from .aeroelastic.flutter import P as P
+from .aeroelastic.flutter import flutter as flutter
+from .aeroelastic.linear import linear_system as linear_system
+from .aeroelastic.static import StaticResult as StaticResult
+from .aeroelastic.static import static as static
+from .aircraft.files import ModelFileError as ModelFileError
+from .aircraft.files import new as new
+from .aircraft.files import presets as presets
+from .aircraft.files import read as read
+from .aircraft.overrides import override as override
+from .datatypes import AeroelasticModel as AeroelasticModel
+from .datatypes import AeroInput as AeroInput
+from .datatypes import FlightCondition as FlightCondition
+from .datatypes import LinearSystem as LinearSystem
+from .datatypes import ModalModel as ModalModel
+from .datatypes import RationalAero as RationalAero
+from .datatypes import SampledAero as SampledAero
+from .datatypes import Spring as Spring
+from .datatypes import StaticLoads as StaticLoads
+from .structure.modal import NaturalModes as NaturalModes
+from .structure.modal import natural_modes as natural_modes
+
+__version__: str

@@ -1,0 +1,5 @@
+"""`python -m aeroservo.cli` is `aeroservo`."""
+
+from aeroservo.cli import main
+
+main()

@@ -1,0 +1,193 @@
+"""Commands that compute at rest or at one speed: `modes`, `static`, `linearize`."""
+
+from __future__ import annotations
+
+import math
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from aeroservo.cli.loaded import air, altitude_of, draw, load, rational, tell
+from aeroservo.cli.options import (
+    PLOTS,
+    Aero,
+    Altitude,
+    Density,
+    FitBound,
+    Json,
+    Model,
+    Plot,
+    Speeds,
+    checked_output,
+    condition_of,
+    sweep_of,
+)
+from aeroservo.cli.output import heading, number, print_json, table, write, write_json
+
+if TYPE_CHECKING:
+    from aeroservo.datatypes import LinearSystem
+
+Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the result, .json or .mat.")]
+Speed = Annotated[float, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
+
+
+def modes(model: Model, *, plot: Plot = None, as_json: Json = False) -> None:
+    """Print frequencies and shapes without air.
+
+    Parameters
+    ----------
+    model : str
+        Preset or path.
+    plot : Path, optional
+        Figure of the shapes.
+    as_json : bool
+        As JSON.
+    """
+    from aeroservo.structure.modal import natural_modes
+
+    checked_output(plot, PLOTS, "--plot")
+    file, built, notes = load(model, None)
+    found = natural_modes(built.modes)
+    hertz = [float(omega) / (2.0 * math.pi) for omega in found.omega]
+    content = {
+        "frequencies_Hz": hertz,
+        "frequencies_rad_s": found.omega,
+        "names": found.names,
+        "generalized_mass": found.generalized_mass,
+    }
+    tell(notes)
+    if plot is not None:
+        draw("modes", plot, built, found)
+    if as_json:
+        print_json(heading(file.name, warnings=notes) | content)
+        return
+    typer.echo(f"{file.name}: modes without air")
+    rows = [(n, w, f, m) for n, w, f, m in zip(found.names, map(float, found.omega), hertz, found.generalized_mass)]
+    typer.echo(table(rows, ("mode", "rad/s", "Hz", "generalised mass")))
+
+
+def static(
+    model: Model,
+    *,
+    altitude: Altitude = None,
+    density: Density = None,
+    speeds: Speeds = None,
+    aero: Aero = None,
+    plot: Plot = None,
+    as_json: Json = False,
+) -> None:
+    """Print divergence, reversal, effectiveness and twist.
+
+    Parameters
+    ----------
+    model : str
+        Preset or path.
+    altitude, density : float, optional
+        Of the air. [m, kg/m^3]
+    speeds : str, optional
+        MIN:MAX:STEP. [m/s]
+    aero : AeroTheory, optional
+        Air forces.
+    plot : Path, optional
+        Figure against speed.
+    as_json : bool
+        As JSON.
+    """
+    from aeroservo.aeroelastic.static import static as analyse
+
+    checked_output(plot, PLOTS, "--plot")
+    file, built, notes = load(model, aero, speeds)
+    sweep = condition_of(altitude, density, sweep_of(file, speeds))
+    found = analyse(built, sweep)
+    notes += found.warnings
+    tell(notes)
+    head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
+    content = {
+        "divergence_speed_m_s": found.divergence.V,
+        "divergence_dynamic_pressure_Pa": found.divergence.q,
+        "reversal_speed_m_s": found.reversal.V,
+        "reversal_dynamic_pressure_Pa": found.reversal.q,
+        "reversal_quantity": found.reversal_quantity,
+        "effectiveness": {"speed_m_s": found.V, "value": found.effectiveness},
+        "twist": {"speed_m_s": found.V, "value_rad": found.twist},
+    }
+    if plot is not None:
+        draw("static", plot, built, found)
+    if as_json:
+        print_json(head | content)
+        return
+    typer.echo(f"{file.name}: statics at {air(head)}")
+    typer.echo(f"divergence  {number(found.divergence.V, 'm/s')}")
+    quantity = f" of {found.reversal_quantity}" if found.reversal_quantity else ""
+    typer.echo(f"reversal    {number(found.reversal.V, 'm/s')}{quantity}")
+
+
+def linearize(
+    model: Model,
+    *,
+    speed: Speed,
+    altitude: Altitude = None,
+    density: Density = None,
+    aero: Aero = None,
+    fit_bound: FitBound = 0.01,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Print or write a named state space.
+
+    Parameters
+    ----------
+    model : str
+        Preset or path.
+    speed : float
+        True airspeed. [m/s]
+    altitude, density : float, optional
+        Of the air. [m, kg/m^3]
+    aero : AeroTheory, optional
+        Air forces; samples are fitted first.
+    fit_bound : float
+        Largest error of that fit. [-]
+    out : Path, optional
+        Where the matrices go.
+    as_json : bool
+        As JSON.
+    """
+    from aeroservo.aeroelastic.linear import linear_system
+
+    checked_output(out, (".json", ".mat"), "--out")
+    file, built, notes = load(model, aero)
+    condition = condition_of(altitude, density, speed)
+    system = linear_system(rational(built, fit_bound), condition)
+    tell(notes)
+    head = heading(file.name, altitude_of(altitude, density), float(condition.rho), notes)
+    content = head | {
+        **{name: getattr(system, name) for name in "ABCD"},
+        "states": system.states,
+        "inputs": system.inputs,
+        "outputs": system.outputs,
+        "dt_s": system.dt,
+    }
+    if out is not None and out.suffix.lower() == ".mat":
+        write(out, _matlab(system))
+    elif out is not None:
+        write_json(out, content)
+    if as_json:
+        print_json(content)
+        return
+    typer.echo(f"{file.name}: {len(system.states)} states at {speed:g} m/s, {air(head)}")
+    typer.echo(f"states   {', '.join(system.states)}\ninputs   {', '.join(system.inputs)}")
+    typer.echo(f"outputs  {', '.join(system.outputs)}")
+
+
+def _matlab(system: LinearSystem) -> bytes:
+    """The matrices and names as the content of a .mat file."""
+    from numpy import array
+    from scipy.io import savemat
+
+    content = {name: getattr(system, name) for name in "ABCD"}
+    names = {what: array(getattr(system, what), dtype=object) for what in ("states", "inputs", "outputs")}
+    file = BytesIO()
+    savemat(file, content | names | {"dt_s": array([]) if system.dt is None else system.dt})
+    return file.getvalue()

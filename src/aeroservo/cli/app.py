@@ -1,0 +1,70 @@
+"""All commands of `aeroservo`, in the order in which help lists them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from aeroservo.cli import analyses, model_files, reruns
+from aeroservo.cli.flutter import flutter
+from aeroservo.cli.output import not_yet
+
+app = typer.Typer(
+    name="aeroservo",
+    help="Flutter, divergence, reversal and their control for flexible aircraft.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+#: Commands of the contract that this version does not have.
+LATER = {
+    "polar": "airfoil polars",
+    "aero": "3-D coefficients and derivatives",
+    "design": "controllers",
+    "simulate": "time histories",
+    "gust": "gust and turbulence response",
+    "envelope": "boundaries over speed and altitude",
+    "report": "a study in one file",
+    "studio": "a study, live",
+    "study": "the thesis re-run",
+}
+
+
+@app.callback()
+def _top(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)] = False,
+) -> None:
+    if version:
+        from aeroservo import __version__
+
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+app.command("list", help="The presets.")(model_files.list_presets)
+app.command("new", help="Copy a preset to a model file of your own.")(model_files.new_file)
+app.command("check", help="Check a model file; print what follows from it.")(model_files.check)
+app.command("modes", help="Frequencies and shapes without air.")(analyses.modes)
+app.command("static", help="Divergence, control reversal, effectiveness, twist.")(analyses.static)
+app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
+app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
+app.command("validate", help="Re-run the published cases.")(reruns.validate)
+app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
+
+
+def _absent(name: str, what: str) -> None:
+    @app.command(
+        name,
+        help=f"({what}: not in this version)",
+        context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    )
+    def _command(ctx: typer.Context) -> None:
+        not_yet(f"the command '{ctx.info_name}' ({what})")
+
+
+for _name, _what in LATER.items():
+    _absent(_name, _what)

@@ -1,0 +1,211 @@
+"""The command `flutter`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from aeroservo.cli.loaded import SAMPLED, air, altitude_of, draw, load, tell, tell_fit
+from aeroservo.cli.options import (
+    PLOTS,
+    Aero,
+    AeroTheory,
+    Altitude,
+    Controller,
+    Density,
+    FitBound,
+    FlutterMethod,
+    Json,
+    Method,
+    Model,
+    Over,
+    Plot,
+    Sensitivities,
+    Speeds,
+    checked_output,
+    condition_of,
+    sweep_of,
+)
+from aeroservo.cli.output import heading, not_yet, number, print_json, table, write_json
+
+if TYPE_CHECKING:
+    from aeroservo.aeroelastic.flutter import FlutterResult
+    from aeroservo.aeroelastic.flutter import Method as RootMethod
+    from aeroservo.aircraft.schema_base import FileModel
+
+Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the result, .json.")]
+
+
+def flutter(
+    model: Model,
+    *,
+    method: Method = None,
+    aero: Aero = None,
+    altitude: Altitude = None,
+    density: Density = None,
+    speeds: Speeds = None,
+    fit_bound: FitBound = 0.01,
+    controller: Controller = None,
+    over: Over = None,
+    out: Out = None,
+    sensitivities: Sensitivities = False,
+    plot: Plot = None,
+    as_json: Json = False,
+) -> None:
+    """Print flutter and divergence.
+
+    Parameters
+    ----------
+    model : str
+        Preset or path.
+    method : FlutterMethod, optional
+        How roots are found.
+    aero : AeroTheory, optional
+        Air forces.
+    altitude, density : float, optional
+        Of the air. [m, kg/m^3]
+    speeds : str, optional
+        MIN:MAX:STEP. [m/s]
+    fit_bound : float
+        Largest error of a rational fit. [-]
+    controller : Path, optional
+        Controller that closes the loop.
+    over : list of str, optional
+        FIELD=MIN:MAX:STEP, once or twice.
+    out : Path, optional
+        Where the result goes.
+    sensitivities : bool
+        Derivatives of the speeds.
+    plot : Path, optional
+        Figure of frequency and damping against speed.
+    as_json : bool
+        As JSON.
+
+    Raises
+    ------
+    ValueError
+        For bad input.
+    """
+    from aeroservo.aeroelastic.flutter import flutter as analyse
+
+    checked_output(plot, PLOTS, "--plot")
+    checked_output(out, (".json",), "--out")
+    if controller is not None:
+        not_yet("--controller (closing the loop)")
+    if over:
+        not_yet("--over (boundaries over numbers of the model file)")
+    if sensitivities:
+        not_yet("--sensitivities")
+    file, built, notes = load(model, aero, speeds)
+    theory, chosen = _choice(file, aero, method, fit_bound)
+    low, high, step = sweep_of(file, speeds)
+    sweep = condition_of(altitude, density, (low, high, step))
+    found = analyse(built, sweep, chosen)
+    notes += found.warnings
+    if found.fit is not None:
+        tell_fit(found.fit.error)
+    tell(notes)
+    head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
+    content = head | {"method": found.method, "aero": theory, "speeds_m_s": [low, high, step]} | speeds_content(found)
+    if plot is not None:
+        draw("flutter", plot, built, found)
+    if out is not None:
+        write_json(out, content)
+    if as_json:
+        print_json(content)
+    else:
+        _print_flutter(content)
+
+
+def speeds_content(found: FlutterResult) -> dict[str, Any]:
+    """What `flutter --json` says about a result.
+
+    Parameters
+    ----------
+    found : FlutterResult
+        A result.
+
+    Returns
+    -------
+    content : dict
+        Keys of contract.md, "flutter". [SI]
+    """
+    import numpy as np
+
+    from aeroservo.datatypes import FlightCondition
+
+    V = found.flutter_speed
+    eas = None if V is None else float(FlightCondition(V=V, rho=found.condition.rho[0]).eas)  # type: ignore[arg-type]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        damping = -found.roots.real / np.abs(found.roots)
+    return {
+        "found": found.found,
+        "flutter_speed_m_s": V,
+        "flutter_speed_eas_m_s": eas,
+        "flutter_frequency_rad_s": found.flutter_frequency,
+        "flutter_mode": found.flutter_mode,
+        "unstable_intervals": [
+            {
+                "from_m_s": interval.start,
+                "to_m_s": interval.end,
+                "frequency_rad_s": interval.frequency,
+                "mode": interval.mode,
+                "kind": interval.kind,
+            }
+            for interval in found.intervals
+        ],
+        "divergence_speed_m_s": found.divergence_speed,
+        "first_real_instability_m_s": found.first_real_instability,
+        "modes": [
+            {
+                "name": name,
+                "speed_m_s": found.V,
+                "frequency_rad_s": np.abs(found.roots[:, j].imag),
+                "damping_ratio": damping[:, j],
+            }
+            for j, name in enumerate(found.names)
+        ],
+    }
+
+
+def _choice(
+    file: FileModel, aero: AeroTheory | None, method: FlutterMethod | None, fit_bound: float
+) -> tuple[str, RootMethod]:
+    """Air forces and method in force; sampled air forces are taken by p-k unless p is asked for."""
+    from aeroservo.aeroelastic.build import DEFAULTS
+    from aeroservo.aeroelastic.flutter import PK, G, K, P
+
+    default = DEFAULTS[file.kind]
+    usual = "pk" if aero in SAMPLED else default.method
+    if not 0.0 < fit_bound < 1.0:
+        raise ValueError(f"--fit-bound must be greater than 0 and less than 1 [-], got {fit_bound:g}")
+    chosen = method.value if method else usual
+    methods: dict[str, RootMethod] = {"p": P(fit_bound=fit_bound), "pk": PK(), "k": K(), "g": G()}
+    return aero.value if aero else default.aero or "own", methods[chosen]
+
+
+def _print_flutter(content: dict[str, Any]) -> None:
+    """The result for people."""
+    low, high, _step = content["speeds_m_s"]
+    typer.echo(
+        f"{content['model']}: {content['method']} method, air forces {content['aero']}, {air(content)}, "
+        f"{low:g} to {high:g} m/s"
+    )
+    if content["flutter_speed_m_s"] is None:
+        typer.echo("flutter     none in this range")
+    else:
+        omega = content["flutter_frequency_rad_s"]
+        typer.echo(
+            f"flutter     {number(content['flutter_speed_m_s'], 'm/s')} "
+            f"({number(content['flutter_speed_eas_m_s'], 'm/s')} EAS) at {number(omega, 'rad/s')} "
+            f"({number(omega / 6.283185307179586, 'Hz')}), mode {content['flutter_mode']}"
+        )
+    typer.echo(f"divergence  {number(content['divergence_speed_m_s'], 'm/s')} (static, rigid-body modes fixed)")
+    if content["unstable_intervals"]:
+        rows = [
+            (i["from_m_s"], i["to_m_s"], i["kind"], i["mode"], i["frequency_rad_s"])
+            for i in content["unstable_intervals"]
+        ]
+        typer.echo(table(rows, ("unstable from, m/s", "to", "kind", "mode", "rad/s")))
