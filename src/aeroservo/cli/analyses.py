@@ -59,7 +59,9 @@ def modes(model: Model, *, plot: Plot = None, as_json: Json = False) -> None:
     }
     tell(notes)
     if plot is not None:
-        draw("modes", plot, built, found)
+        from aeroservo.report.figures import modes_figure
+
+        draw(plot, modes_figure(built.modes, found, f"{file.name}: modes without air"))
     if as_json:
         print_json(heading(file.name, warnings=notes) | content)
         return
@@ -114,7 +116,9 @@ def static(
         "twist": {"speed_m_s": found.V, "value_rad": found.twist},
     }
     if plot is not None:
-        draw("static", plot, built, found)
+        from aeroservo.report.figures import static_figure
+
+        draw(plot, static_figure(found, f"{file.name}: statics at {air(head)}"))
     if as_json:
         print_json(head | content)
         return

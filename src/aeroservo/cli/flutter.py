@@ -110,7 +110,10 @@ def flutter(
     head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
     content = head | {"method": found.method, "aero": theory, "speeds_m_s": [low, high, step]} | speeds_content(found)
     if plot is not None:
-        draw("flutter", plot, built, found)
+        from aeroservo.report.figures import flutter_figure
+
+        title = f"{file.name}: {found.method} method, air forces {theory}, {air(head)}"
+        draw(plot, flutter_figure(found, title))
     if out is not None:
         write_json(out, content)
     if as_json:
@@ -132,14 +135,10 @@ def speeds_content(found: FlutterResult) -> dict[str, Any]:
     content : dict
         Keys of contract.md, "flutter". [SI]
     """
-    import numpy as np
-
     from aeroservo.datatypes import FlightCondition
 
     V = found.flutter_speed
     eas = None if V is None else float(FlightCondition(V=V, rho=found.condition.rho[0]).eas)  # type: ignore[arg-type]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        damping = -found.roots.real / np.abs(found.roots)
     return {
         "found": found.found,
         "flutter_speed_m_s": V,
@@ -161,9 +160,9 @@ def speeds_content(found: FlutterResult) -> dict[str, Any]:
         "modes": [
             {
                 "name": name,
-                "speed_m_s": found.V,
-                "frequency_rad_s": np.abs(found.roots[:, j].imag),
-                "damping_ratio": damping[:, j],
+                "speed_m_s": found.speeds[:, j],
+                "frequency_rad_s": found.frequency[:, j],
+                "damping_ratio": found.damping_ratio[:, j],
             }
             for j, name in enumerate(found.names)
         ],

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from aeroservo.cli.options import AeroTheory, sweep_of
-from aeroservo.cli.output import complain, not_yet
+from aeroservo.cli.output import complain, not_yet, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from matplotlib.figure import Figure
 
     from aeroservo.aircraft.schema_base import FileModel
     from aeroservo.datatypes import AeroelasticModel
@@ -146,23 +148,16 @@ def air(head: dict[str, Any]) -> str:
     return density if altitude is None else f"{altitude:g} m ({density})"
 
 
-def draw(what: str, path: Path, model: AeroelasticModel, result: Any) -> None:
-    """Write a figure of a result.
+def draw(path: Path, figure: Figure) -> None:
+    """Write a figure, whole or not at all.
 
     Parameters
     ----------
-    what : str
-        "modes", "static" or "flutter".
     path : Path
         Where to; its ending is the format.
-    model : AeroelasticModel
-        What was analysed.
-    result : any
-        What the analysis returned.
-
-    Raises
-    ------
-    Exit
-        With code 2 for figures that do not exist yet.
+    figure : matplotlib Figure
+        Of `report.figures`.
     """
-    not_yet(f"--plot of '{what}'")
+    from aeroservo.report.figures import as_bytes
+
+    write(path, as_bytes(figure, path.suffix))
