@@ -178,6 +178,8 @@ class ModalModel:
         Grid points in geometry axes. [m]
     hysteretic_g : float
         Structural (hysteretic) damping: K becomes K (1 + i g) in frequency-domain methods only. [-]
+    units : tuple of str, length n
+        Unit of each coordinate ("m", "rad"; empty where it has none).
     """
 
     M: Array
@@ -188,6 +190,7 @@ class ModalModel:
     phi: Array | None = None
     grid: Array | None = None
     hysteretic_g: float = 0.0
+    units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Lock the arrays and check the invariants."""
@@ -210,6 +213,9 @@ class ModalModel:
             object.__setattr__(self, name, array)
         if self.phi.shape[0] != self.grid.shape[0]:  # type: ignore[union-attr]
             raise ValueError("phi and grid must have the same number of points")
+        object.__setattr__(self, "units", self.units or ("",) * n)
+        if len(self.units) != n:
+            raise ValueError(f"units must name one unit for each of {n} modes, got {self.units}")
         if not 0.0 <= self.hysteretic_g < 1.0:
             raise ValueError(f"hysteretic_g must lie in [0, 1), got {self.hysteretic_g:g}")
 

@@ -1,0 +1,417 @@
+"""Strip theory: section air forces on any set of modes, summed over strips of a wing.
+
+Each strip is a section normal to the flexural axis in the normal component of the flow (V cos Lambda,
+chord normal to the axis), Bramstång 2015, section 7.7. Strips do not feel each other: the theory
+stops being valid at low aspect ratio, near tips and at strong sweep; a lift slope lower than 2 pi is
+the only finite-span correction there is.
+
+A slope sigma = dh/ds of the axis convects with the spanwise flow like a plunge rate, h' + V_n tan(Lambda)
+sigma: that is the washout of a bent aft-swept wing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from aeroservo.aero.indicial import KUSSNER_SEARS_SPARKS, WAGNER_R_T_JONES, IndicialFunction, sears_function
+from aeroservo.aero.theodorsen import section_air, theodorsen_function
+from aeroservo.datatypes import AeroInput, Array, ModalModel, RationalAero, SampledAero, StaticLoads, frozen
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strips:
+    """Strips of a half wing, in order along the flexural axis.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Distance of each strip from the plane of symmetry, in the span. [m]
+    width : ndarray, shape (n,)
+        Length of axis that each stands for (a quadrature weight). [m]
+    b : ndarray, shape (n,)
+        Semi-chord normal to the axis. [m]
+    a : ndarray, shape (n,)
+        Flexural axis, semi-chords aft of mid-chord. [-]
+    eccentricity : ndarray, shape (n,)
+        Flexural axis aft of the aerodynamic centre, in chords; used by quasi-steady theory only. [-]
+    lift_slope : ndarray, shape (n,)
+        Lift slope of the section normal to the axis. [1/rad]
+    moment_rate : ndarray, shape (n,)
+        M_thetadot of the damped quasi-steady theory. [-]
+    sweep : ndarray, shape (n,)
+        Sweep of the axis, positive aft. [rad]
+    elevon_lift, elevon_moment : ndarray, shape (n,)
+        a_c and b_c (about the flexural axis, nose up) of the sections that carry the elevon. [1/rad]
+    incidence, cm0 : ndarray, shape (n,)
+        Built-in incidence of the normal section, nose up, and its moment coefficient without lift. [rad, -]
+    span : float
+        Distance of the tip from the plane of symmetry. [m]
+    hinge : float, optional
+        Flap hinge, semi-chords aft of mid-chord, where a flap is one of the coordinates. [-]
+    """
+
+    y: Array
+    width: Array
+    b: Array
+    a: Array
+    eccentricity: Array
+    lift_slope: Array
+    moment_rate: Array
+    sweep: Array
+    elevon_lift: Array
+    elevon_moment: Array
+    incidence: Array
+    cm0: Array
+    span: float
+    hinge: float | None = None
+
+    def __post_init__(self) -> None:
+        """Broadcast every array over the strips, lock and check them."""
+        shape = np.shape(self.y)
+        for name in _STRIP_ARRAYS:
+            value = frozen(np.broadcast_to(getattr(self, name), shape), ndim=1, name=name)
+            object.__setattr__(self, name, value)
+        if np.any(self.b <= 0.0):
+            raise ValueError(f"semi-chord b must be positive [m], got {self.b.min():g}")
+        if np.any(np.abs(self.sweep) >= 0.5 * np.pi):
+            raise ValueError("sweep must lie between -90 and 90 degrees")
+        if not self.span > 0.0:
+            raise ValueError(f"span must be positive [m], got {self.span:g}")
+
+
+_STRIP_ARRAYS = (
+    "y",
+    "width",
+    "b",
+    "a",
+    "eccentricity",
+    "lift_slope",
+    "moment_rate",
+    "sweep",
+    "elevon_lift",
+    "elevon_moment",
+    "incidence",
+    "cm0",
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StripShapes:
+    """Motion of the strips per unit of each mode.
+
+    Attributes
+    ----------
+    h, twist, slope : ndarray, shape (n_strips, n)
+        Plunge down [m], twist about the axis nose up [rad], slope dh/ds along it [rad]. [per unit]
+    flap : ndarray, shape (n_strips, n), optional
+        Flap angle, trailing edge down. [rad per unit]
+    """
+
+    h: Array
+    twist: Array
+    slope: Array
+    flap: Array | None = None
+
+
+def strip_shapes(modes: ModalModel, sweep: Array, *, bending_slope: bool = True) -> StripShapes:
+    """Motion of the strips from the shapes of a modal model, whose first grid points are the strips.
+
+    Parameters
+    ----------
+    modes : ModalModel
+        With `phi` at the strips' points of the flexural axis.
+    sweep : ndarray, shape (n_strips,)
+        Sweep of the axis at each. [rad]
+    bending_slope : bool
+        Whether the slope of the axis is kept; without it a swept wing has V cos(Lambda) only.
+
+    Returns
+    -------
+    shapes : StripShapes
+        Plunge [m], twist [rad] and slope [rad] per unit of each mode.
+
+    Raises
+    ------
+    ValueError
+        If the modal model has fewer grid points than there are strips.
+
+    References
+    ----------
+    equations.md, "Conventions": x aft, y starboard, z up; h down, nose up is a rotation about +y.
+
+    Examples
+    --------
+    >>> phi = np.zeros((1, 6, 1)); phi[0, 2] = -1.0
+    >>> heave = ModalModel(M=[[1.0]], D=[[0.0]], K=[[0.0]], names=("heave",), phi=phi, grid=[[0.0, 1.0, 0.0]])
+    >>> strip_shapes(heave, np.zeros(1)).h.tolist()
+    [[1.0]]
+    """
+    n = len(sweep)
+    phi = np.asarray(modes.phi)
+    if phi.shape[0] < n:
+        raise ValueError(f"phi must hold at least the {n} strips, got {phi.shape[0]} grid points")
+    sin, cos = np.sin(sweep)[:, None], np.cos(sweep)[:, None]
+    slope = sin * phi[:n, 4] - cos * phi[:n, 3]
+    return StripShapes(
+        h=-phi[:n, 2], twist=sin * phi[:n, 3] + cos * phi[:n, 4], slope=slope if bending_slope else 0.0 * slope
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuasiSteady:
+    """Simplified quasi-steady theory: L = q c a_w (theta + h'/V), M = q c^2 [e a_w (theta + h'/V) + M_thetadot ...].
+
+    Attributes
+    ----------
+    damped : bool
+        Keep the pitch damping M_thetadot theta' c / (4 V).
+    """
+
+    damped: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class Indicial:
+    """Theodorsen's section with exponential indicial functions: apparent mass, and lag states for the wake.
+
+    Attributes
+    ----------
+    wagner : IndicialFunction
+        Growth of lift with motion; `NO_WAKE` gives C = 1 with apparent mass.
+    kussner : IndicialFunction
+        Growth of lift with entry into a gust, referred to the leading edge.
+    """
+
+    wagner: IndicialFunction = WAGNER_R_T_JONES
+    kussner: IndicialFunction = KUSSNER_SEARS_SPARKS
+
+
+NO_WAKE = IndicialFunction(constant=1.0, amplitudes=np.zeros(0), exponents=np.zeros(0), name="no wake")
+"""C(k) = 1: quasi-steady circulation with apparent mass, a third thing beside `QuasiSteady`."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Theodorsen:
+    """Theodorsen's section with the exact C(k), and Sears' function for gusts, as samples.
+
+    Attributes
+    ----------
+    k : ndarray, shape (n_k,)
+        Reduced frequencies of the reference semi-chord; ascending from 0. [-]
+    """
+
+    k: Array = field(default_factory=lambda: np.concatenate([[0.0], np.geomspace(1e-6, 2e3, 420)]))
+
+
+Theory = QuasiSteady | Indicial | Theodorsen
+
+
+def strip_aero(
+    strips: Strips, shapes: StripShapes, names: tuple[str, ...], theory: Theory
+) -> tuple[RationalAero | SampledAero, StaticLoads]:
+    """Generalised air forces of strips on modes, and the lift and rolling moment in the same columns.
+
+    Columns are the modes, the control "elevon" (where a section carries one; quasi-steady with every
+    theory), the gust "gust" (met by every strip at once, its phase at the leading edges), and the
+    steady columns "incidence" (1 rad of the whole wing, in the plane of the flow), "camber" (built-in
+    incidence and moment) and "roll_rate" (helix angle p s / V of 1, starboard wing down).
+
+    Parameters
+    ----------
+    strips : Strips
+        The wing.
+    shapes : StripShapes
+        Motion of the strips in each mode.
+    names : tuple of str, length n
+        Names of the modes.
+    theory : QuasiSteady, Indicial or Theodorsen
+        Section theory.
+
+    Returns
+    -------
+    aero : RationalAero or SampledAero
+        Samples for `Theodorsen`, else rational. [SI]
+    loads : StaticLoads
+        "lift" [m^2 per unit] and "roll" [m^3 per unit].
+
+    References
+    ----------
+    Bramstång 2015, Eqs. 3.13-3.20, 7.7, 7.30-7.36, 7.66-7.68 as put right in equations.md;
+    NACA Report 496; NACA Report 1014 (swept strips).
+
+    Examples
+    --------
+    >>> strips = Strips(y=[0.5], width=[1.0], b=0.5, a=-0.2, eccentricity=0.15, lift_slope=6.0, moment_rate=-1.2,
+    ...                 sweep=0.0, elevon_lift=0.0, elevon_moment=0.0, incidence=0.0, cm0=0.0, span=1.0)
+    >>> shapes = StripShapes(h=np.array([[1.0, 0.0]]), twist=np.array([[0.0, 1.0]]), slope=np.zeros((1, 2)))
+    >>> aero, loads = strip_aero(strips, shapes, ("plunge", "pitch"), QuasiSteady())
+    >>> round(float(loads.row("lift")[1]), 9)
+    6.0
+    """
+    motion = [shapes.h, shapes.twist] + ([] if shapes.flap is None else [shapes.flap])
+    work = np.stack(motion, axis=1)
+    full = np.concatenate([work, shapes.slope[:, None, :]], axis=1)
+    section = _sections(strips, theory)
+    b_ref = float(np.average(strips.b, weights=strips.width))
+    ratio = strips.b / (b_ref * np.cos(strips.sweep))
+    weight = strips.width * np.cos(strips.sweep) ** 2
+    A = [np.einsum("s,sci,scd,sdj->ij", weight * ratio**j, work, section.A[j], full) for j in range(3)]
+    circulation = _Circulation(
+        R=np.einsum("s,sci,sc->si", weight, work, section.R),
+        w0=np.einsum("sd,sdj->sj", section.w0, full),
+        w1=np.einsum("s,sd,sdj->sj", ratio, section.w1, full),
+        ratio=ratio,
+    )
+    fixed, inputs = _fixed_columns(strips, section, names)
+    Q_fixed = np.einsum("s,sci,scj->ij", weight, work, fixed)
+    n, gust = len(names), [i.kind for i in inputs].index("gust")
+    if isinstance(theory, Theodorsen):
+        aero: RationalAero | SampledAero = _sampled(theory, A, circulation, Q_fixed, gust - n, b_ref, inputs, strips)
+    else:
+        wagner, kussner = (theory.wagner, theory.kussner) if isinstance(theory, Indicial) else (NO_WAKE, NO_WAKE)
+        aero = _rational(wagner, kussner, A, circulation, Q_fixed, gust - n, b_ref, inputs, strips)
+    static = np.concatenate([np.einsum("scd,sdj->scj", section.static, full), fixed], axis=2)
+    rows = np.zeros((2, len(strips.y), work.shape[1]))
+    rows[0, :, 0], rows[1, :, 0], rows[1, :, 1] = -1.0, -strips.y, np.sin(strips.sweep)
+    return aero, StaticLoads(names=("lift", "roll"), Q=np.einsum("s,lsc,scj->lj", weight, rows, static))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Section:
+    """Section forces on (h, theta[, flap]) per (h, theta[, flap], slope), in the section's own p."""
+
+    A: tuple[Array, Array, Array]
+    R: Array
+    w0: Array
+    w1: Array
+
+    @property
+    def static(self) -> Array:
+        """Forces at p = 0, (n_s, n_c, n_c + 1)."""
+        return self.A[0] + self.R[:, :, None] * self.w0[:, None, :]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Circulation:
+    """Circulatory part on the modes: force of each strip times the downwash angle it feels."""
+
+    R: Array
+    w0: Array
+    w1: Array
+    ratio: Array
+
+
+def _sections(strips: Strips, theory: Theory) -> _Section:
+    """The theory's section matrices with the column of the slope appended."""
+    air = section_air(strips.a, strips.b, lift_slope=strips.lift_slope, hinge=strips.hinge)
+    A, R, w0, w1 = [np.array(x) for x in (air.A0, air.A1, air.A2)], np.array(air.R), np.array(air.w0), np.array(air.w1)
+    if isinstance(theory, QuasiSteady):
+        chord = 2.0 * strips.b
+        A[1], A[2] = np.zeros_like(A[1]), np.zeros_like(A[2])
+        if theory.damped:
+            A[1][:, 1, 1] = 0.5 * chord**2 * strips.moment_rate
+        R[:, 1] = chord**2 * strips.eccentricity * strips.lift_slope
+        w1[:, 1:] = 0.0
+    lean = (strips.b * np.tan(strips.sweep))[:, None]
+    slope = [lean * A[1][:, :, 0], lean * A[2][:, :, 0], 0.0 * A[2][:, :, 0]]
+    extended = tuple(np.concatenate([A[j], slope[j][:, :, None]], axis=2) for j in range(3))
+    return _Section(
+        A=extended,  # type: ignore[arg-type]
+        R=R,
+        w0=np.concatenate([w0, lean * w1[:, :1]], axis=1),
+        w1=np.concatenate([w1, 0.0 * lean], axis=1),
+    )
+
+
+def _fixed_columns(strips: Strips, section: _Section, names: tuple[str, ...]) -> tuple[Array, tuple[AeroInput, ...]]:
+    """Section forces (n_s, n_c, n_fixed) of the columns that are not modes, at p = 0, and all inputs."""
+    chord, n_c = 2.0 * strips.b, section.R.shape[1]
+    per_angle = section.R / np.cos(strips.sweep)[:, None]
+    columns, inputs = [], [AeroInput(name=name, kind="mode") for name in names]
+    if np.any(strips.elevon_lift) or np.any(strips.elevon_moment):
+        elevon = np.zeros((len(chord), n_c))
+        elevon[:, 0], elevon[:, 1] = -chord * strips.elevon_lift, chord**2 * strips.elevon_moment
+        columns.append(elevon)
+        inputs.append(AeroInput(name="elevon", kind="control"))
+    columns += [per_angle, per_angle]
+    inputs += [AeroInput(name="gust", kind="gust"), AeroInput(name="incidence", kind="steady")]
+    camber = section.R * strips.incidence[:, None]
+    camber[:, 1] += chord**2 * strips.cm0
+    columns += [camber, per_angle * (strips.y / strips.span)[:, None]]
+    inputs += [AeroInput(name="camber", kind="steady"), AeroInput(name="roll_rate", kind="steady")]
+    return np.stack(columns, axis=2), tuple(inputs)
+
+
+def _sampled(
+    theory: Theodorsen,
+    A: list[Array],
+    circulation: _Circulation,
+    Q_fixed: Array,
+    gust: int,
+    b_ref: float,
+    inputs: tuple[AeroInput, ...],
+    strips: Strips,
+) -> SampledAero:
+    """Samples of A0 + A1 ik + A2 (ik)^2 + C(k) R (w0 + w1 ik), Sears' function on the gust column."""
+    k = np.asarray(theory.k, dtype=float)
+    ik = 1j * k[:, None, None]
+    local, which = np.unique(circulation.ratio, return_inverse=True)
+    C, S = theodorsen_function(np.outer(k, local)), sears_function(np.outer(k, local), reference="leading_edge")
+    groups = [np.flatnonzero(which == g) for g in range(len(local))]
+    R, w0, w1 = circulation.R, circulation.w0, circulation.w1
+    steady = np.stack([R[g].T @ w0[g] for g in groups])
+    rate = np.stack([R[g].T @ w1[g] for g in groups])
+    Q = A[0] + ik * (A[1] + ik * A[2])
+    Q = Q + np.einsum("kg,gij->kij", C, steady) + ik * np.einsum("kg,gij->kij", C, rate)
+    columns = np.broadcast_to(Q_fixed, (len(k), *Q_fixed.shape)).astype(complex)
+    angle = R / np.cos(strips.sweep)[:, None]
+    columns[:, :, gust] = np.einsum("kg,gi->ki", S, np.stack([angle[g].sum(axis=0) for g in groups]))
+    return SampledAero(k=k, Q=np.concatenate([Q, columns], axis=2)[None], b=b_ref, inputs=inputs)
+
+
+def _rational(
+    wagner: IndicialFunction,
+    kussner: IndicialFunction,
+    A: list[Array],
+    circulation: _Circulation,
+    Q_fixed: Array,
+    gust: int,
+    b_ref: float,
+    inputs: tuple[AeroInput, ...],
+    strips: Strips,
+) -> RationalAero:
+    """Lag states of the indicial functions: one set for each distinct pole, no more of them than modes."""
+    R, w0, w1, ratio = circulation.R, circulation.w0, circulation.w1, circulation.ratio
+    n, n_in = A[0].shape[0], len(inputs)
+    A0, A1, A2 = (np.zeros((n, n_in)) for _ in range(3))
+    A0[:, :n] = A[0] + wagner.constant * R.T @ w0
+    A1[:, :n] = A[1] + (wagner.constant - wagner.amplitudes.sum()) * R.T @ w1
+    A2[:, :n] = A[2]
+    A0[:, n:] = Q_fixed
+    lags, lag_D, lag_E = [], [], []
+    for local in np.unique(ratio):
+        strip = np.flatnonzero(ratio == local)
+        for amplitude, exponent in zip(wagner.amplitudes, wagner.exponents):
+            pole = exponent / local
+            force, downwash = -amplitude * R[strip].T, w0[strip] - pole * w1[strip]
+            if len(strip) > n:
+                force, downwash = force @ downwash, np.eye(n)
+            lags += [pole] * len(downwash)
+            lag_D.append(force)
+            lag_E.append(np.hstack([downwash, np.zeros((len(downwash), n_in - n))]))
+        for amplitude, exponent in zip(kussner.amplitudes, kussner.exponents):
+            lags.append(exponent / local)
+            lag_D.append(-amplitude * (R[strip] / np.cos(strips.sweep[strip])[:, None]).sum(axis=0)[:, None])
+            lag_E.append(np.eye(n_in)[[n + gust]])
+    return RationalAero(
+        A0=A0[None],
+        A1=A1[None],
+        A2=A2[None],
+        b=b_ref,
+        inputs=inputs,
+        lags=np.array(lags),
+        lag_D=np.hstack(lag_D)[None] if lags else None,
+        lag_E=np.vstack(lag_E) if lags else None,
+    )

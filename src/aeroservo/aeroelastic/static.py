@@ -1,0 +1,399 @@
+"""Static aeroelasticity: divergence, reversal, effectiveness, trim and twist."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aeroservo.datatypes import AeroelasticModel, FlightCondition
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticSpeed:
+    """A dynamic pressure and the speed that goes with it at one density.
+
+    Attributes
+    ----------
+    q : float or None
+        Dynamic pressure; None where there is none. [Pa]
+    V : float or None
+        True airspeed. [m/s]
+    """
+
+    q: float | None
+    V: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StaticResult:
+    """What `static` found; nan where a quantity has no meaning (past divergence, or not in the model).
+
+    Attributes
+    ----------
+    V : ndarray, shape (n_V,)
+        Speeds of the sweep. [m/s]
+    divergence, reversal : StaticSpeed
+        Lowest of each. [Pa, m/s]
+    reversal_quantity : str or None
+        "roll" or "lift": what an elevon no longer gives.
+    effectiveness : ndarray, shape (n_V,)
+        Elastic over rigid steady roll rate per elevon angle (lift per elevon angle where the model
+        cannot roll). [-]
+    moment_effectiveness : ndarray, shape (n_V,)
+        Elastic over rigid rolling moment (or lift) with roll (or pitch) held. [-]
+    twist : ndarray, shape (n_V,)
+        Elastic twist, of the tip where there is one, per radian of root incidence. [rad]
+    trim_incidence, trim_twist : ndarray, shape (n_V,)
+        Root incidence at which lift equals weight, and the twist there. [rad]
+    lift_slope_ratio : ndarray, shape (n_V,)
+        Elastic over rigid lift per incidence. [-]
+    warnings : tuple of str
+        What to know before trusting the numbers.
+    """
+
+    V: Array
+    divergence: StaticSpeed
+    reversal: StaticSpeed
+    reversal_quantity: str | None
+    effectiveness: Array
+    moment_effectiveness: Array
+    twist: Array
+    trim_incidence: Array
+    trim_twist: Array
+    lift_slope_ratio: Array
+    warnings: tuple[str, ...]
+
+
+GRAVITY = 9.80665
+"""Standard gravity. [m/s^2]"""
+
+
+def divergence(model: AeroelasticModel, condition: FlightCondition) -> StaticSpeed:
+    """Static divergence with rigid-body modes fixed: the lowest q_bar with det(K - q_bar Q(0)) = 0.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        Any.
+    condition : FlightCondition
+        One condition, for its density and speed of sound; its V does not matter.
+
+    Returns
+    -------
+    divergence : StaticSpeed
+        None and None where the wing does not diverge at any speed. [Pa, m/s]
+
+    References
+    ----------
+    equations.md, "Static aeroelasticity" [7.6, 7.9-7.11]; contract.md, "divergence_speed_m_s".
+
+    Examples
+    --------
+    >>> from aeroservo.datatypes import AeroInput, ModalModel, SampledAero
+    >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",))
+    >>> air = SampledAero(k=[0.0], Q=[[[[0.5]]]], b=1.0, inputs=(AeroInput(name="pitch", kind="mode"),))
+    >>> divergence(AeroelasticModel(modes=one, aero=air), FlightCondition(V=1.0, rho=1.0))
+    StaticSpeed(q=8.0, V=4.0)
+    """
+    fixed, K = elastic_stiffness(model)
+
+    def lowest(mach: float) -> float | None:
+        Q0 = model.aero(0.0, mach).real[np.ix_(fixed, fixed)]
+        return _lowest_pressure(K, Q0)
+
+    return _at_own_mach(lowest, model, condition)
+
+
+def elastic_stiffness(model: AeroelasticModel) -> tuple[Array, Array]:
+    """Indices of the modes that have stiffness, and their K: rigid-body modes are held fixed.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        Any.
+
+    Returns
+    -------
+    index : int ndarray, shape (m,)
+        Modes with a spring. [-]
+    K : ndarray, shape (m, m)
+        Their stiffness. [SI]
+
+    References
+    ----------
+    contract.md, "divergence_speed_m_s is static, with rigid-body modes fixed".
+
+    Examples
+    --------
+    >>> from aeroservo.datatypes import AeroInput, ModalModel, SampledAero
+    >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",))
+    >>> air = SampledAero(k=[0.0], Q=[[[[0.5]]]], b=1.0, inputs=(AeroInput(name="pitch", kind="mode"),))
+    >>> elastic_stiffness(AeroelasticModel(modes=one, aero=air))[1].tolist()
+    [[4.0]]
+    """
+    K = model.modes.K
+    size = np.abs(K).max(axis=0) / np.sqrt(np.diag(model.modes.M))
+    index = np.flatnonzero(size > 1e-13 * size.max(initial=0.0))
+    return index, K[np.ix_(index, index)]
+
+
+def static(model: AeroelasticModel, sweep: FlightCondition) -> StaticResult:
+    """Divergence, reversal, and effectiveness, twist and trim against speed.
+
+    Rigid-body modes are held fixed; linear theory, so nothing is given past divergence.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        With `loads` for all but divergence and twist, and the steady columns "incidence" and "roll_rate".
+    sweep : FlightCondition
+        Speeds at one density, shape (n_V,). [m/s, kg/m^3]
+
+    Returns
+    -------
+    result : StaticResult
+        Speeds and curves. [SI]
+
+    References
+    ----------
+    Bramstång 2015, Eqs. 7.5-7.6, 7.14-7.21 as put right in equations.md, "Static aeroelasticity".
+
+    Examples
+    --------
+    >>> from aeroservo.datatypes import AeroInput, ModalModel, SampledAero
+    >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",))
+    >>> inputs = (AeroInput(name="pitch", kind="mode"), AeroInput(name="incidence", kind="steady"))
+    >>> air = SampledAero(k=[0.0], Q=[[[[0.5, 0.5]]]], b=1.0, inputs=inputs)
+    >>> static(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[2.0], rho=1.0)).twist.round(6).tolist()
+    [0.333333]
+    """
+    diverges = divergence(model, sweep[0])
+    quantity, reverses = reversal(model, sweep[0])
+    stable = np.ones(sweep.V.shape, bool) if diverges.V is None else sweep.V < diverges.V * (1.0 - 1e-12)
+    nothing = np.full(sweep.V.shape, np.nan)
+    response = _Elastic(model, sweep[stable] if stable.any() else sweep[:0])
+
+    def spread(values: Array | None) -> Array:
+        out = nothing.copy()
+        if values is not None:
+            out[stable] = values
+        return out
+
+    notes = []
+    if model.loads is None:
+        notes.append("the model carries no lift or rolling moment: no reversal, effectiveness or trim")
+    elif reverses.V is None and quantity is not None:
+        notes.append("the controls do not reverse at any speed")
+    if diverges.V is None:
+        notes.append("does not diverge at any speed")
+    incidence, twist = response.trim()
+    return StaticResult(
+        V=sweep.V,
+        divergence=diverges,
+        reversal=reverses,
+        reversal_quantity=quantity,
+        effectiveness=spread(response.rate_effectiveness(quantity)),
+        moment_effectiveness=spread(response.held_effectiveness(quantity)),
+        twist=spread(response.twist("incidence")),
+        trim_incidence=spread(incidence),
+        trim_twist=spread(twist),
+        lift_slope_ratio=spread(response.slope_ratio()),
+        warnings=tuple(notes),
+    )
+
+
+def reversal(
+    model: AeroelasticModel, condition: FlightCondition, *, quantity: str | None = None, control: str | None = None
+) -> tuple[str | None, StaticSpeed]:
+    """Lowest dynamic pressure at which a control no longer gives roll (or lift).
+
+    The load row joins the equilibrium: det [[K - q Q_qq, -q Q_qu], [Q_lq, Q_lu]] = 0.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        With `loads` and a control.
+    condition : FlightCondition
+        One condition, for density and speed of sound.
+    quantity : {"roll", "lift"}, optional
+        Default roll where the model has it, else lift.
+    control : str, optional
+        Name of the control; default the first.
+
+    Returns
+    -------
+    quantity : str or None
+        What reverses; None without loads or controls.
+    reversal : StaticSpeed
+        None and None where it never does. [Pa, m/s]
+
+    Raises
+    ------
+    ValueError
+        If the model has no such control.
+
+    References
+    ----------
+    equations.md, "Reversal" [7.18-7.21].
+
+    Examples
+    --------
+    >>> from aeroservo.datatypes import AeroInput, ModalModel, SampledAero, StaticLoads
+    >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",))
+    >>> inputs = (AeroInput(name="pitch", kind="mode"), AeroInput(name="elevon", kind="control"))
+    >>> air = SampledAero(k=[0.0], Q=[[[[0.5, -0.5]]]], b=1.0, inputs=inputs)
+    >>> loads = StaticLoads(names=("lift",), Q=[[1.0, 1.0]])
+    >>> reversal(AeroelasticModel(modes=one, aero=air, loads=loads), FlightCondition(V=1.0, rho=1.0))[1].q
+    4.0
+    """
+    column = _control_column(model, control)
+    if model.loads is None or column is None:
+        return None, StaticSpeed(q=None, V=None)
+    quantity = quantity or ("roll" if "roll" in model.loads.names else "lift")
+    row, (index, K) = model.loads.row(quantity), elastic_stiffness(model)
+
+    def lowest(mach: float) -> float | None:
+        Q0 = model.aero(0.0, mach).real
+        stiffness = np.block([[K, np.zeros((len(index), 1))], [row[index], row[column]]])
+        air = np.block([[Q0[np.ix_(index, index)], Q0[index, column][:, None]], [np.zeros((1, len(index) + 1))]])
+        if row[column] == 0.0:
+            return None
+        return _lowest_pressure(stiffness, air)
+
+    return quantity, _at_own_mach(lowest, model, condition)
+
+
+class _Elastic:
+    """Static response of the elastic modes at each speed of a sweep."""
+
+    def __init__(self, model: AeroelasticModel, sweep: FlightCondition) -> None:
+        self.model, self.sweep = model, sweep
+        self.index, K = elastic_stiffness(model)
+        self.q = sweep.q[:, None, None]
+        self.Q0 = model.aero(np.zeros(sweep.V.shape), sweep.mach).real[:, self.index]
+        self.matrix = K - self.q * self.Q0[..., self.index]
+        self.control = _control_column(model, None)
+
+    def modes(self, column: int) -> Array:
+        """Elastic coordinates per unit of an input, shape (n_V, m)."""
+        return np.linalg.solve(self.matrix, self.q * self.Q0[..., [column]])[..., 0]
+
+    def load(self, row: Array, column: int) -> Array:
+        """Elastic load per unit of an input and of q_bar, shape (n_V,)."""
+        return row[column] + self.modes(column) @ row[self.index]
+
+    def held_effectiveness(self, quantity: str | None) -> Array | None:
+        """Elastic over rigid load of the control, the rigid body held."""
+        if quantity is None or self.control is None or self.model.loads is None:
+            return None
+        row = self.model.loads.row(quantity)
+        return self.load(row, self.control) / row[self.control] if row[self.control] else None
+
+    def rate_effectiveness(self, quantity: str | None) -> Array | None:
+        """Elastic over rigid steady roll rate per control angle; of lift there is no steady rate: held."""
+        rate = self.model.column("roll_rate")
+        if quantity != "roll" or rate is None or self.model.loads is None or self.control is None:
+            return self.held_effectiveness(quantity)
+        row, n = self.model.loads.row("roll"), len(self.index)
+        system = np.zeros((len(self.sweep.V), n + 1, n + 1))
+        system[:, :n, :n] = self.matrix
+        system[:, :n, n:] = -self.q * self.Q0[..., [rate]]
+        system[:, n, :n], system[:, n, n] = row[self.index], row[rate]
+        right = np.concatenate(
+            [self.q * self.Q0[..., [self.control]], np.broadcast_to(-row[self.control], (len(self.sweep.V), 1, 1))],
+            axis=1,
+        )
+        elastic = np.linalg.solve(system, right)[:, n, 0]
+        return elastic / (-row[self.control] / row[rate])
+
+    def twist(self, name: str) -> Array | None:
+        """Elastic twist at the outermost point per unit of a named input."""
+        column, shape = self.model.column(name), _twist_shape(self.model)
+        if column is None or shape is None:
+            return None
+        return self.modes(column) @ shape[self.index]
+
+    def slope_ratio(self) -> Array | None:
+        """Elastic over rigid lift per incidence."""
+        column = self.model.column("incidence")
+        if column is None or self.model.loads is None:
+            return None
+        row = self.model.loads.row("lift")
+        return self.load(row, column) / row[column]
+
+    def trim(self) -> tuple[Array | None, Array | None]:
+        """Incidence at which lift carries the weight, and the elastic twist there."""
+        column, built_in = self.model.column("incidence"), self.model.column("camber")
+        if column is None or self.model.loads is None or self.model.mass is None:
+            return None, None
+        row, shape = self.model.loads.row("lift"), _twist_shape(self.model)
+        wanted = self.model.mass * GRAVITY / self.sweep.q
+        steady = self.load(row, built_in) if built_in is not None else 0.0
+        incidence = (wanted - steady) / self.load(row, column)
+        if shape is None:
+            return incidence, None
+        coordinates = incidence[:, None] * self.modes(column)
+        if built_in is not None:
+            coordinates = coordinates + self.modes(built_in)
+        return incidence, coordinates @ shape[self.index]
+
+
+def _twist_shape(model: AeroelasticModel) -> Array | None:
+    """Rotation about y of the outermost grid point per unit of each mode; None without shapes."""
+    if not model.modes.grid.shape[0]:  # type: ignore[union-attr]
+        return None
+    outermost = int(np.argmax(model.modes.grid[:, 1]))  # type: ignore[index]
+    return np.asarray(model.modes.phi[outermost, 4])  # type: ignore[index]
+
+
+def _control_column(model: AeroelasticModel, name: str | None) -> int | None:
+    """Column of a control; the first one where no name is given."""
+    controls = model.columns("control")
+    if name is None:
+        return controls[0] if controls else None
+    found = model.column(name)
+    if found not in controls:
+        known = [model.aero.inputs[j].name for j in controls]
+        raise ValueError(f"the model has no control {name!r}; its controls are {known}")
+    return found
+
+
+def _lowest_pressure(K: Array, Q0: Array) -> float | None:
+    """Smallest positive real q with det(K - q Q0) = 0, from the eigenvalues 1/q of K^-1 Q0."""
+    if not K.size:
+        return None
+    inverse = np.linalg.eigvals(np.linalg.solve(K, Q0))
+    size = np.abs(inverse).max(initial=0.0)
+    real = inverse.real[(np.abs(inverse.imag) <= 1e-9 * size) & (inverse.real > 1e-12 * size)]
+    return float(1.0 / real.max()) if real.size else None
+
+
+def _at_own_mach(lowest: Any, model: AeroelasticModel, condition: FlightCondition) -> StaticSpeed:
+    """Solve q = lowest(Mach of the speed that goes with q) from below; one step where Q has one Mach number."""
+    rho, a_sound = float(condition.rho), float(condition.a_sound)
+    if rho == 0.0:
+        return StaticSpeed(q=None, V=None)
+    mach = model.aero.mach
+    if len(mach) == 1:
+        q = lowest(float(mach[0]))
+        return StaticSpeed(q=q, V=None if q is None else float(np.sqrt(2.0 * q / rho)))
+    from scipy.optimize import brentq
+
+    def excess(V: float) -> float:
+        q = lowest(V / a_sound)
+        return (np.inf if q is None else q) - 0.5 * rho * V * V
+
+    grid = np.linspace(1e-3 * a_sound, 1.05 * mach[-1] * a_sound, 400)
+    values = np.array([excess(V) for V in grid])
+    below = np.flatnonzero(values <= 0.0)
+    if below.size == 0:
+        q = lowest(float(mach[-1]))
+        return StaticSpeed(q=q, V=None if q is None else float(np.sqrt(2.0 * q / rho)))
+    j = int(below[0])
+    V = grid[0] if j == 0 else brentq(lambda v: np.clip(excess(v), -1e30, 1e30), grid[j - 1], grid[j], xtol=1e-12)
+    return StaticSpeed(q=0.5 * rho * V * V, V=float(V))

@@ -1,0 +1,172 @@
+"""Following roots from speed to speed. Pure bookkeeping: no flutter speed depends on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+RATIO = 0.35
+"""A match is clear when a root moved less than this part of the distance to its nearest rival."""
+
+
+def steps_between(values: Array) -> tuple[Array, Array]:
+    """Match the roots at each speed to those at the next, and say which matches are clear.
+
+    Parameters
+    ----------
+    values : complex ndarray, shape (n_V, n_roots)
+        Roots in any order, nan where absent. [1/s]
+
+    Returns
+    -------
+    step : int ndarray, shape (n_V - 1, n_roots)
+        Root j at speed i goes on as root step[i, j] at speed i + 1; each row is a permutation. [-]
+    clear : bool ndarray, shape (n_V - 1,)
+        Whether every complex root of the cell was matched beyond doubt. [-]
+
+    References
+    ----------
+    docs/architecture.md, "Tracking"; eigenvalues are continuous in V (Kato, Perturbation Theory, II.5).
+
+    Examples
+    --------
+    >>> step, clear = steps_between(np.array([[1j, 5j], [5.1j, 1.1j]]))
+    >>> step.tolist(), clear.tolist()
+    ([[1, 0]], [True])
+    """
+    filled = np.where(np.isfinite(values), values, 1e30)
+    distance = np.abs(filled[:-1, :, None] - filled[1:, None, :])
+    step = np.argmin(distance, axis=2)
+    nearest = np.take_along_axis(distance, step[..., None], axis=2)[..., 0]
+    if values.shape[1] == 1:
+        return step, np.ones(len(step), dtype=bool)
+    np.put_along_axis(distance, step[..., None], np.inf, axis=2)
+    rival = distance.min(axis=2)
+    complex_root = filled[:-1].imag != 0.0
+    lost = np.any((filled[:-1].imag != 0.0).sum(axis=1) != (filled[1:].imag != 0.0).sum(axis=1))
+    doubt = (nearest > RATIO * rival) & complex_root
+    one_to_one = np.all(np.sort(step, axis=1) == np.arange(step.shape[1]), axis=1)
+    clear = ~doubt.any(axis=1)
+    if lost:
+        clear &= (filled[:-1].imag != 0.0).sum(axis=1) == (filled[1:].imag != 0.0).sum(axis=1)
+    for i in np.flatnonzero(~one_to_one | ~clear):
+        step[i], resolved = _assignment(filled[i], filled[i + 1])
+        clear[i] &= resolved
+    return step, clear
+
+
+def _assignment(left: Array, right: Array) -> tuple[Array, bool]:
+    """Least total movement; real roots, which cannot pass each other, keep their order.
+
+    Resolved means that the complex roots were a one-to-one match already.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    step = np.zeros(len(left), dtype=int)
+    complex_left, complex_right = np.flatnonzero(left.imag != 0.0), np.flatnonzero(right.imag != 0.0)
+    if len(complex_left) != len(complex_right):
+        rows, columns = linear_sum_assignment(np.abs(left[:, None] - right[None, :]))
+        step[rows] = columns
+        return step, False
+    distance = np.abs(left[complex_left][:, None] - right[complex_right][None, :])
+    rows, columns = linear_sum_assignment(distance)
+    step[complex_left[rows]] = complex_right[columns]
+    real_left, real_right = np.flatnonzero(left.imag == 0.0), np.flatnonzero(right.imag == 0.0)
+    step[real_left[np.argsort(left[real_left].real)]] = real_right[np.argsort(right[real_right].real)]
+    return step, bool(np.array_equal(columns, np.argmin(distance, axis=1)))
+
+
+def follow(values: Array, steps: Array) -> Array:
+    """Chain the matches of `steps_between` into branches.
+
+    Parameters
+    ----------
+    values : complex ndarray, shape (n_V, n_roots)
+        Roots. [1/s]
+    steps : int ndarray, shape (n_V - 1, n_roots)
+        From `steps_between`. [-]
+
+    Returns
+    -------
+    order : int ndarray, shape (n_V, n_roots)
+        Branch j is root order[i, j] at speed i; branches are numbered as the roots at the first speed. [-]
+
+    References
+    ----------
+    docs/architecture.md, "Tracking".
+
+    Examples
+    --------
+    >>> values = np.array([[1j, 5j], [5.1j, 1.1j], [1.2j, 5.2j]])
+    >>> follow(values, steps_between(values)[0]).tolist()
+    [[0, 1], [1, 0], [0, 1]]
+    """
+    order = np.empty(values.shape, dtype=int)
+    row = order[0] = np.arange(values.shape[1])
+    for i, step in enumerate(steps):
+        row = order[i + 1] = step[row]
+    return order
+
+
+def resolved_mesh(
+    values_at: Callable[[Array], Array], mesh: Array, values: Array, *, halvings: int = 12
+) -> tuple[Array, Array]:
+    """Add speeds where roots cannot be matched beyond doubt, until they can or the cell is tiny.
+
+    Parameters
+    ----------
+    values_at : callable
+        Roots (m, n_roots) at speeds (m,). [1/s]
+    mesh : ndarray, shape (n_V,)
+        Ascending speeds. [m/s]
+    values : complex ndarray, shape (n_V, n_roots)
+        Roots there. [1/s]
+    halvings : int
+        How often a cell may be halved.
+
+    Returns
+    -------
+    mesh, values : ndarray, shapes (n, ) and (n, n_roots)
+        The finer mesh, which contains the given one, and its roots. [m/s, 1/s]
+
+    References
+    ----------
+    docs/architecture.md, "Tracking".
+
+    Examples
+    --------
+    >>> def values_at(V):
+    ...     return np.stack([1j * (1.0 + V), 1j * (2.1 - V)], axis=1)
+    >>> V = np.array([0.0, 1.0])
+    >>> len(resolved_mesh(values_at, V, values_at(V))[0]) > 2
+    True
+    """
+    doubtful = ~steps_between(values)[1]
+    depth = np.zeros(len(mesh) - 1, dtype=int)
+    for _ in range(halvings):
+        cells = np.flatnonzero(doubtful & (depth < halvings))
+        if not cells.size:
+            break
+        middle = 0.5 * (mesh[cells] + mesh[cells + 1])
+        mesh = np.insert(mesh, cells + 1, middle)
+        values = np.insert(values, cells + 1, values_at(middle), axis=0)
+        depth[cells] += 1
+        depth = np.insert(depth, cells + 1, depth[cells])
+        doubtful = np.insert(doubtful, cells + 1, True)
+        again = np.flatnonzero(doubtful)
+        _, clear = steps_between_pairs(values, again)
+        doubtful[again] = ~clear
+    return mesh, values
+
+
+def steps_between_pairs(values: Array, cells: Array) -> tuple[Array, Array]:
+    """`steps_between` for chosen cells only, each between rows i and i + 1 of `values`. [-]"""
+    interleaved = np.empty((2 * len(cells), values.shape[1]), dtype=complex)
+    interleaved[0::2], interleaved[1::2] = values[cells], values[cells + 1]
+    step, clear = steps_between(interleaved)
+    return step[0::2], clear[0::2]
