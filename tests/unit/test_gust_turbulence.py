@@ -33,7 +33,7 @@ from aeroservo.gust.response import (
     rms_response,
 )
 from aeroservo.gust.sampling import discrete_psd, discretise, folded_psd, stationary_covariance
-from aeroservo.gust.turbulence import component_psd, shaping_filter
+from aeroservo.gust.turbulence import component_psd, cs25_turbulence, shaping_filter
 from aeroservo.gust.vonkarman import blockset_core, fit_von_karman, von_karman_core, von_karman_psd
 
 EXACT = 1e-9  # issue 6: variance by Lyapunov
@@ -423,6 +423,20 @@ def test_rms_by_lyapunov_and_by_frequency(model, damping):
     filtered = frequency_response(w, omega)[:, 0]
     psd = np.sum(np.abs(filtered) ** 2, axis=-1) / np.pi
     np.testing.assert_allclose(rms_from_frequency_response(H, psd, omega), exact, rtol=2e-4)
+
+
+def test_cs25_continuous_turbulence_two_ways():
+    """A of 25.341(b)(2): Lyapunov with the rational filter, and the clause's own integral with the exact spectrum.
+
+    The filter's spectrum is within 0.5 %, so A is within 0.25 %.
+    """
+    plant = oscillator(12.0, 0.05)
+    system = shaping_filter(cs25_turbulence(), 120.0, model="von_karman")
+    exact = rms_response(plant, (system.A, system.B, system.C[2:], system.D[2:]))
+    Omega = frequency_grid(plant[0], 1e-5, 1e4) / 120.0
+    H = frequency_response(plant, Omega * 120.0)[:, :, 0]
+    clause = 762 / np.pi * (1 + 8 / 3 * (1.339 * 762 * Omega) ** 2) / (1 + (1.339 * 762 * Omega) ** 2) ** (11 / 6)
+    np.testing.assert_allclose(rms_from_frequency_response(H, clause, Omega), exact, rtol=2.5e-3)
 
 
 def test_rms_of_a_lightly_damped_mode_tends_to_the_white_noise_formula():

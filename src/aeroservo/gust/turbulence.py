@@ -21,7 +21,7 @@ from aeroservo.gust.dryden import Component, dryden_core, dryden_psd, rate_lengt
 from aeroservo.gust.intensity import Turbulence
 from aeroservo.gust.vonkarman import blockset_core, von_karman_core, von_karman_psd
 
-__all__ = ["Model", "RateSigns", "component_psd", "shaping_filter"]
+__all__ = ["Model", "RateSigns", "component_psd", "cs25_turbulence", "shaping_filter"]
 
 Array = NDArray[Any]
 Model = Literal["dryden", "von_karman", "von_karman_blockset"]
@@ -90,6 +90,29 @@ def component_psd(
         span=span,
         specification=state.specification,
     )
+
+
+def cs25_turbulence() -> Turbulence:
+    """Unit turbulence of CS/FAR-25.341(b)(2): L = 762 m (2,500 ft), 1 m/s in every component.
+
+    With `model="von_karman"` the RMS response to its w (or v) is the factor A of the clause; the limit load is
+    P_1g +/- U_sigma A (`design_turbulence_load`, `cs25_turbulence_intensity`).
+
+    Returns
+    -------
+    state : Turbulence
+        In the convention of MIL-F-8785C, whose von Karman spectra are the clause's.
+
+    References
+    ----------
+    CS-25.341(b)(2), 14 CFR 25.341(b)(2).
+
+    Examples
+    --------
+    >>> cs25_turbulence().length
+    array([762., 762., 762.])
+    """
+    return Turbulence(intensity=np.ones(3), length=np.full(3, 762.0))
 
 
 def shaping_filter(
