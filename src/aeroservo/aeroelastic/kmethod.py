@@ -113,10 +113,17 @@ def k_boundaries(model: AeroelasticModel, condition: FlightCondition, *, points:
     for crossing in boundaries(values_at, reduced_speed, values_at(reduced_speed), scale):
         omega = crossing.root.imag
         V = omega * b * crossing.V
-        if condition.V[0] <= V <= condition.V[-1]:
+        if condition.V[0] <= V <= condition.V[-1] and _singular(model, condition[0], V, omega):
             opens = root_slope(model, condition[0], V, omega).real > 0.0
             found.append(Boundary(V=V, kind="oscillatory", opens=opens, root=1j * omega))
     return sorted(found, key=lambda boundary: boundary.V)
+
+
+def _singular(model: AeroelasticModel, condition: FlightCondition, V: float, omega: float) -> bool:
+    """Whether F(i omega) is singular at speed V: a zero, not a jump of w through a negative square."""
+    air = 0.5 * float(condition.rho) * V**2 * model.aero(omega * model.aero.b / V)[:, : model.modes.n]
+    sizes = np.linalg.svd(model.modes.dynamic_stiffness(1j * omega) - air, compute_uv=False)
+    return bool(sizes[-1] < 1e-7 * sizes[0])
 
 
 def k_curves(

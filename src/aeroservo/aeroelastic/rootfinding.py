@@ -43,7 +43,8 @@ def bracketed_roots(
 
     Examples
     --------
-    >>> x = bracketed_roots(lambda x, i: x**2 - 2.0, np.array([1.0]), np.array([2.0]), np.array([-1.0]), np.array([2.0]))
+    >>> one, two = np.array([1.0]), np.array([2.0])
+    >>> x = bracketed_roots(lambda x, i: x**2 - 2.0, one, two, -one, two)
     >>> round(float(x[0]), 12)
     1.414213562373
     """

@@ -13,6 +13,9 @@ Array = NDArray[Any]
 RATIO = 0.35
 """A match is clear when a root moved less than this part of the distance to its nearest rival."""
 
+OVERDAMPED = 0.2
+"""Roots with |omega| below this part of |s| (lags, mostly) are matched as well as may be, never pursued."""
+
 
 def steps_between(values: Array) -> tuple[Array, Array]:
     """Match the roots at each speed to those at the next, and say which matches are clear.
@@ -27,7 +30,7 @@ def steps_between(values: Array) -> tuple[Array, Array]:
     step : int ndarray, shape (n_V - 1, n_roots)
         Root j at speed i goes on as root step[i, j] at speed i + 1; each row is a permutation. [-]
     clear : bool ndarray, shape (n_V - 1,)
-        Whether every complex root of the cell was matched beyond doubt. [-]
+        Whether every root that swings was matched beyond doubt. [-]
 
     References
     ----------
@@ -47,24 +50,16 @@ def steps_between(values: Array) -> tuple[Array, Array]:
         return step, np.ones(len(step), dtype=bool)
     np.put_along_axis(distance, step[..., None], np.inf, axis=2)
     rival = distance.min(axis=2)
-    complex_root = filled[:-1].imag != 0.0
-    lost = np.any((filled[:-1].imag != 0.0).sum(axis=1) != (filled[1:].imag != 0.0).sum(axis=1))
-    doubt = (nearest > RATIO * rival) & complex_root
+    swinging = np.abs(filled[:-1].imag) > OVERDAMPED * np.abs(filled[:-1])
+    clear = ~np.any((nearest > RATIO * rival) & swinging, axis=1)
     one_to_one = np.all(np.sort(step, axis=1) == np.arange(step.shape[1]), axis=1)
-    clear = ~doubt.any(axis=1)
-    if lost:
-        clear &= (filled[:-1].imag != 0.0).sum(axis=1) == (filled[1:].imag != 0.0).sum(axis=1)
     for i in np.flatnonzero(~one_to_one | ~clear):
-        step[i], resolved = _assignment(filled[i], filled[i + 1])
-        clear[i] &= resolved
+        step[i] = _assignment(filled[i], filled[i + 1])
     return step, clear
 
 
-def _assignment(left: Array, right: Array) -> tuple[Array, bool]:
-    """Least total movement; real roots, which cannot pass each other, keep their order.
-
-    Resolved means that the complex roots were a one-to-one match already.
-    """
+def _assignment(left: Array, right: Array) -> Array:
+    """Least total movement; real roots, which cannot pass each other, keep their order."""
     from scipy.optimize import linear_sum_assignment
 
     step = np.zeros(len(left), dtype=int)
@@ -72,13 +67,12 @@ def _assignment(left: Array, right: Array) -> tuple[Array, bool]:
     if len(complex_left) != len(complex_right):
         rows, columns = linear_sum_assignment(np.abs(left[:, None] - right[None, :]))
         step[rows] = columns
-        return step, False
-    distance = np.abs(left[complex_left][:, None] - right[complex_right][None, :])
-    rows, columns = linear_sum_assignment(distance)
+        return step
+    rows, columns = linear_sum_assignment(np.abs(left[complex_left][:, None] - right[complex_right][None, :]))
     step[complex_left[rows]] = complex_right[columns]
     real_left, real_right = np.flatnonzero(left.imag == 0.0), np.flatnonzero(right.imag == 0.0)
     step[real_left[np.argsort(left[real_left].real)]] = real_right[np.argsort(right[real_right].real)]
-    return step, bool(np.array_equal(columns, np.argmin(distance, axis=1)))
+    return step
 
 
 def follow(values: Array, steps: Array) -> Array:
@@ -159,14 +153,7 @@ def resolved_mesh(
         depth = np.insert(depth, cells + 1, depth[cells])
         doubtful = np.insert(doubtful, cells + 1, True)
         again = np.flatnonzero(doubtful)
-        _, clear = steps_between_pairs(values, again)
-        doubtful[again] = ~clear
+        pairs = np.empty((2 * len(again), values.shape[1]), dtype=complex)
+        pairs[0::2], pairs[1::2] = values[again], values[again + 1]
+        doubtful[again] = ~steps_between(pairs)[1][0::2]
     return mesh, values
-
-
-def steps_between_pairs(values: Array, cells: Array) -> tuple[Array, Array]:
-    """`steps_between` for chosen cells only, each between rows i and i + 1 of `values`. [-]"""
-    interleaved = np.empty((2 * len(cells), values.shape[1]), dtype=complex)
-    interleaved[0::2], interleaved[1::2] = values[cells], values[cells + 1]
-    step, clear = steps_between(interleaved)
-    return step[0::2], clear[0::2]
