@@ -43,7 +43,7 @@ def explained(error: ValidationError, model: type[BaseModel], where: str) -> str
     ...     print(explained(error, Hysteretic, "wing.toml"))
     wing.toml: g = 2.0 must be at least 0 and less than 1 (structural damping [-])
     """
-    findings = error.errors(include_url=False)
+    findings = [f for f in error.errors(include_url=False) if not _follows(f, error)]
     lines = [_finding(finding, model) for finding in findings[:_MOST]]
     if len(findings) > _MOST:
         lines.append(f"and {len(findings) - _MOST} more")
@@ -164,6 +164,13 @@ def allowed(field: FieldInfo) -> str:
     words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
     limits = [(words[key], getattr(rule, key)) for rule in field.metadata for key in words if hasattr(rule, key)]
     return " and ".join(f"{word} {value:g}" for word, value in limits)
+
+
+def _follows(finding: Any, error: ValidationError) -> bool:
+    """Whether a list is found too short only because an entry in it was refused."""
+    loc = finding["loc"]
+    others = [other["loc"] for other in error.errors(include_url=False, include_context=False)]
+    return finding["type"] == "too_short" and any(len(o) > len(loc) and o[: len(loc)] == loc for o in others)
 
 
 def _finding(finding: Any, model: type[BaseModel]) -> str:
