@@ -336,6 +336,17 @@ def test_a_flight_at_constant_speed_is_the_constant_filter():
     np.testing.assert_allclose(varying, constant, rtol=1e-9, atol=1e-12)
 
 
+def test_held_filters_along_a_flight():
+    """hold = 5 is each recursion written five times."""
+    state = turbulence(np.linspace(5.0, 700.0, 8), severity="moderate", spectrum="von_karman")
+    system = shaping_filter(state, np.linspace(30.0, 60.0, 8), span=B_SPAN, model="von_karman")
+    short = discretise(system, 0.01)
+    long = discretise(system[np.repeat(np.arange(8), 5)], 0.01)
+    np.testing.assert_allclose(
+        turbulence_record(short, seed=2, hold=5), turbulence_record(long, seed=2), rtol=1e-12, atol=1e-13
+    )
+
+
 def test_records_repeat_with_their_seed_and_differ_without():
     noise = discretise(shaping_filter(STATE, V), 0.01)
     a, b, c = (turbulence_record(noise, 100, seed=s) for s in (7, 7, 8))
@@ -536,6 +547,7 @@ def test_turbulence_joins_low_and_high():
         (lambda: stationary_covariance([[0.0]], [[1.0]]), "must be stable"),
         (lambda: folded_psd(lambda w: w, 1.0, 0.0), "dt must be positive"),
         (lambda: turbulence_record(discretise(shaping_filter(STATE, V), 0.1), seed=0), "number of samples n"),
+        (lambda: turbulence_record(discretise(shaping_filter(STATE, V), 0.1), 5, seed=0, hold=0), "hold"),
         (lambda: held_noise_record(shaping_filter(STATE, V), 0.03, 5, seed=0), "whole number of dt"),
         (lambda: held_noise_attenuation(1.0, 0.0), "noise step must be positive"),
         (lambda: spectral_synthesis(lambda w: -w, 0.1, 10, seed=0), "not negative"),

@@ -7,20 +7,19 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def recursion(Ad, Ld, C, x0, noise):  # pragma: no cover - compiled
-    """y[k] = C[k] x, x <- Ad[k] x + Ld[k] noise[k]; a first axis of length 1 is held for every k."""
+def recursion(Ad, Ld, C, x0, noise, hold):  # pragma: no cover - compiled
+    """y[k] = C[k] x, x <- Ad[k] x + Ld[k] noise[k]; each matrix serves `hold` steps, a single one all."""
     n_t, n_u = noise.shape
     n, n_y = x0.shape[0], C.shape[1]
     x, new = x0.copy(), np.empty(n)
     y = np.empty((n_t, n_y))
-    varying, varying_C = Ad.shape[0] > 1, C.shape[0] > 1
+    varying = Ad.shape[0] > 1
     for k in range(n_t):
-        i = k if varying else 0
-        j = k if varying_C else 0
+        i = k // hold if varying else 0
         for row in range(n_y):
             total = 0.0
             for col in range(n):
-                total += C[j, row, col] * x[col]
+                total += C[i, row, col] * x[col]
             y[k, row] = total
         for row in range(n):
             total = 0.0

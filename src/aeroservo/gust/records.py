@@ -25,17 +25,21 @@ __all__ = ["held_noise_attenuation", "held_noise_record", "spectral_synthesis", 
 Array = NDArray[Any]
 
 
-def turbulence_record(noise: DiscreteNoise, n: int | None = None, *, seed: int) -> Array:
+def turbulence_record(noise: DiscreteNoise, n: int | None = None, *, seed: int, hold: int = 1) -> Array:
     """A record of turbulence, stationary from its first sample.
 
     Parameters
     ----------
     noise : DiscreteNoise
-        One recursion, or one per step (leading axis n): airspeed, height and intensity that vary along a flight.
+        One recursion, or one for each `hold` steps (leading axis m): airspeed, height and intensity that vary along a
+        flight.
     n : int, optional
-        Number of samples; needed for one recursion, and taken from the leading axis otherwise.
+        Number of samples; needed for one recursion, m `hold` otherwise.
     seed : int
         Seed of numpy's PCG64; the same seed always gives the same record.
+    hold : int
+        Steps that each recursion of a flight serves, at least 1. The states' covariance does not depend on airspeed
+        and length, so the variance stays exact however long the filter is held.
 
     Returns
     -------
@@ -45,7 +49,7 @@ def turbulence_record(noise: DiscreteNoise, n: int | None = None, *, seed: int) 
     Raises
     ------
     ValueError
-        If n is missing, below 1, or differs from the leading axis.
+        If n is missing, below 1, or differs from the steps of the flight, or hold < 1.
 
     References
     ----------
@@ -62,14 +66,16 @@ def turbulence_record(noise: DiscreteNoise, n: int | None = None, *, seed: int) 
     varying = noise.Ad.ndim == 3
     if noise.Ad.ndim > 3:
         raise ValueError(f"at most one leading axis (time) is allowed, got {noise.Ad.shape[:-2]}")
-    steps = noise.Ad.shape[0] if varying else n
-    if steps is None or steps < 1 or (n is not None and n != steps):
-        raise ValueError(f"number of samples n must be >= 1 and agree with the recursion's steps, got {n}")
+    steps = noise.Ad.shape[0] * hold if varying else n
+    if hold < 1 or steps is None or steps < 1 or (n is not None and n != steps):
+        raise ValueError(
+            f"number of samples n must be >= 1 and, along a flight, hold (>= 1) times its steps, got n = {n}, hold = {hold}"
+        )
     arrays = [a if varying else a[None] for a in (noise.Ad, noise.Ld, noise.C, noise.P)]
     Ad, Ld, C, P = (np.ascontiguousarray(a) for a in arrays)
     rng = np.random.default_rng(seed)
     x0 = _factor(P[0]) @ rng.standard_normal(P.shape[-1])
-    return recursion(Ad, Ld, C, x0, rng.standard_normal((steps, P.shape[-1])))
+    return recursion(Ad, Ld, C, x0, rng.standard_normal((steps, P.shape[-1])), hold)
 
 
 def held_noise_attenuation(omega: ArrayLike, noise_step: float) -> Array:
@@ -173,7 +179,7 @@ def held_noise_record(
     held = rng.standard_normal((-(-n // repeat), k)) / np.sqrt(noise_step)
     drive = np.repeat(held, repeat, axis=0)[:n]
     parts = [np.ascontiguousarray(a)[None] for a in (E[:m, :m], E[:m, m:], system.C)]
-    return recursion(parts[0], parts[1], parts[2], np.zeros(m), drive)
+    return recursion(parts[0], parts[1], parts[2], np.zeros(m), drive, 1)
 
 
 def spectral_synthesis(psd: Callable[[Array], Array], dt: float, n: int, *, seed: int) -> Array:

@@ -104,9 +104,22 @@ def discretise(system: LinearSystem, dt: float) -> DiscreteNoise:
         raise ValueError(f"the filter must be continuous, got one sampled at {system.dt:g} [s]")
     if np.any(system.D != 0.0):
         raise ValueError("the filter must have no feed-through D: white noise through it has infinite variance")
-    F, Qd = _transition(system.A, system.B @ np.swapaxes(system.B, -1, -2), dt)
-    Ad = np.eye(F.shape[-1]) + F
-    return DiscreteNoise(Ad=Ad, Qd=Qd, Ld=_factor(Qd), C=system.C, P=_limit(F, Qd), dt=dt, outputs=system.outputs)
+    W = system.B @ np.swapaxes(system.B, -1, -2)
+    Ad, Qd, Ld, P = (np.zeros(system.A.shape) for _ in range(4))
+    for block in _independent(system.A, W):
+        at = (..., block[:, None], block)
+        F, Q = _transition(system.A[at], W[at], dt)
+        Ad[at], Qd[at], Ld[at], P[at] = np.eye(block.size) + F, Q, _factor(Q), _limit(F, Q)
+    return DiscreteNoise(Ad=Ad, Qd=Qd, Ld=Ld, C=system.C, P=P, dt=dt, outputs=system.outputs)
+
+
+def _independent(A: Array, W: Array) -> list[Array]:
+    """States in groups that neither the dynamics nor the noise couple: a cube of a sum becomes a sum of cubes."""
+    from scipy.sparse.csgraph import connected_components
+
+    pattern = ((A != 0.0) | (W != 0.0)).reshape(-1, *A.shape[-2:]).any(axis=0)
+    count, label = connected_components(pattern, directed=False)
+    return [np.flatnonzero(label == i) for i in range(count)]
 
 
 def _transition(A: Array, W: Array, dt: float) -> tuple[Array, Array]:
