@@ -69,7 +69,8 @@ def turbulence_record(noise: DiscreteNoise, n: int | None = None, *, seed: int, 
     steps = noise.Ad.shape[0] * hold if varying else n
     if hold < 1 or steps is None or steps < 1 or (n is not None and n != steps):
         raise ValueError(
-            f"number of samples n must be >= 1 and, along a flight, hold (>= 1) times its steps, got n = {n}, hold = {hold}"
+            "number of samples n must be >= 1 and, along a flight, its steps times hold (>= 1); "
+            f"got n = {n}, hold = {hold}"
         )
     arrays = [a if varying else a[None] for a in (noise.Ad, noise.Ld, noise.C, noise.P)]
     Ad, Ld, C, P = (np.ascontiguousarray(a) for a in arrays)

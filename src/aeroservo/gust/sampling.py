@@ -303,5 +303,5 @@ def folded_psd(psd: Callable[[Array], Array], omega: ArrayLike, dt: float, *, fo
         x = side + turn * (folds + 0.5)
         value = psd(x)
         power = -np.log(psd(2.0 * x) / value) / np.log(2.0)
-        total = total + x * value / (power - 1.0) / turn
+        total = total + value * (x / turn / (power - 1.0) - power * turn / x / 24.0)
     return total
