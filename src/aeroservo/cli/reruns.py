@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from aeroservo.cli.options import Json
-from aeroservo.cli.output import not_yet
+from aeroservo.cli.output import complain, heading, print_json, table
 
 Case = Annotated[str | None, typer.Argument(metavar="[CASE]", help="One case; all if left out.")]
+Folder = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the figures go.")]
 
 
 def validate(case: Case = None, *, as_json: Json = False) -> None:
-    """Re-run the published cases.
+    """Re-run the published cases; the exit code is 1 if one fails.
 
     Parameters
     ----------
@@ -21,10 +23,40 @@ def validate(case: Case = None, *, as_json: Json = False) -> None:
         Name of one case.
     as_json : bool
         As JSON.
+
+    Raises
+    ------
+    Exit
+        With code 1 if a case fails.
     """
-    not_yet("the command 'validate'")
+    from aeroservo.studies.validation import validate as rerun
 
-
-def demo() -> None:
-    """Re-run the thesis' tables."""
-    not_yet("the command 'demo'")
+    checks = rerun(case, progress=complain)
+    failed = [check for check in checks if not check.passed]
+    if as_json:
+        rows = [
+            {
+                "name": check.name,
+                "quantity": check.quantity,
+                "reference": check.reference,
+                "result": check.result,
+                "difference": check.difference,
+                "tolerance": check.tolerance,
+                "citation": check.citation,
+                "pass": check.passed,
+            }
+            for check in checks
+        ]
+        print_json(heading() | {"cases": rows})
+    else:
+        lines = [
+            (c.name, c.quantity, c.reference, c.result, c.difference, c.tolerance, "pass" if c.passed else "FAIL")
+            for c in checks
+        ]
+        names = ("case", "quantity", "reference", "result", "difference", "tolerance", "")
+        typer.echo(table(lines, names))
+        typer.echo("\nSources:\n" + "\n".join(sorted({f"  {c.name.split(':')[0]}: {c.citation}" for c in checks})))
+        typer.echo(f"\n{len(checks) - len(failed)} of {len(checks)} pass")
+    if failed:
+        complain(f"{len(failed)} of {len(checks)} checks fail")
+        raise typer.Exit(1)

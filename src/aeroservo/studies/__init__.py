@@ -1,0 +1,1 @@
+"""Whole studies made of the analyses: published cases re-run, the thesis' tables."""

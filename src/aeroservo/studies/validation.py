@@ -1,0 +1,216 @@
+"""The published cases, re-run: what `aeroservo validate` prints.
+
+A case is a folder of `aeroservo/cases` with a `runs.toml`: which model, which analysis with which options, which
+quantity against which reference. A new case is such a folder and no code.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from aeroservo.datatypes import AeroelasticModel, FlightCondition
+
+CASES = Path(__file__).parents[1] / "cases"
+_RUN_KEYS = {
+    "what",
+    "model",
+    "analysis",
+    "method",
+    "aero",
+    "altitude_m",
+    "density_kg_m3",
+    "speeds_m_s",
+    "change",
+    "check",
+}
+_CHECK_KEYS = {"quantity", "reference", "relative", "absolute"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One quantity of a published case beside its reference.
+
+    Attributes
+    ----------
+    name : str
+        Case, and what was run.
+    quantity : str
+        What is compared, its unit in the name.
+    reference : float
+        The published or independently computed value. [unit of `quantity`]
+    result : float or None
+        Ours; None where there is none. [unit of `quantity`]
+    tolerance : float
+        Largest difference allowed. [unit of `quantity`]
+    citation : str
+        Where the reference is from.
+    """
+
+    name: str
+    quantity: str
+    reference: float
+    result: float | None
+    tolerance: float
+    citation: str
+
+    @property
+    def difference(self) -> float | None:
+        """Result less reference. [unit of `quantity`]"""
+        return None if self.result is None else self.result - self.reference
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference is within the tolerance."""
+        return self.difference is not None and abs(self.difference) <= self.tolerance
+
+
+def cases() -> tuple[str, ...]:
+    """Names of the cases that can be re-run.
+
+    Returns
+    -------
+    names : tuple of str
+        In alphabetical order.
+    """
+    return tuple(sorted(path.parent.name for path in CASES.glob("*/runs.toml")))
+
+
+def validate(case: str | None = None, *, progress: Callable[[str], None] | None = None) -> tuple[Check, ...]:
+    """Re-run the published cases.
+
+    Parameters
+    ----------
+    case : str, optional
+        One case; all if left out.
+    progress : callable, optional
+        Called with the name of each run before it starts.
+
+    Returns
+    -------
+    checks : tuple of Check
+        In the order of the case files.
+
+    Raises
+    ------
+    ValueError
+        If there is no such case.
+    """
+    if case is not None and case not in cases():
+        raise ValueError(f"no case named {case[:60]!r}; the cases are {', '.join(cases())}")
+    found: list[Check] = []
+    for name in cases() if case is None else (case,):
+        content = tomllib.loads((CASES / name / "runs.toml").read_text(encoding="utf-8"))
+        for run in content["run"]:
+            label = f"{name}: {run['what']}"
+            if progress is not None:
+                progress(label)
+            found += checked(label, run, content["citation"])
+    return tuple(found)
+
+
+def checked(label: str, run: dict[str, Any], citation: str) -> list[Check]:
+    """Carry out one run of a case file and compare.
+
+    Parameters
+    ----------
+    label : str
+        Name of the checks.
+    run : dict
+        A `[[run]]` table.
+    citation : str
+        Source of the references.
+
+    Returns
+    -------
+    checks : list of Check
+        One for each `[[run.check]]`.
+
+    Raises
+    ------
+    ValueError
+        If the table has a key that means nothing.
+    """
+    strangers = (set(run) - _RUN_KEYS) | {key for check in run["check"] for key in set(check) - _CHECK_KEYS}
+    if strangers:
+        raise ValueError(f"{label}: unknown keys {sorted(strangers)}")
+    quantities = _ANALYSES[run["analysis"]](run)
+    checks = []
+    for check in run["check"]:
+        reference = float(check["reference"])
+        tolerance = check["absolute"] if "absolute" in check else check["relative"] * abs(reference)
+        result = quantities[check["quantity"]]
+        checks.append(
+            Check(
+                name=label,
+                quantity=check["quantity"],
+                reference=reference,
+                result=None if result is None else float(result),
+                tolerance=float(tolerance),
+                citation=citation,
+            )
+        )
+    return checks
+
+
+def _flutter(run: dict[str, Any]) -> dict[str, Any]:
+    from aeroservo.aeroelastic.build import DEFAULTS
+    from aeroservo.aeroelastic.flutter import PK, G, K, P, flutter
+    from aeroservo.aircraft.files import read
+
+    method = run.get("method") or DEFAULTS[read(run["model"]).kind].method
+    result = flutter(_model(run), _sweep(run), {"p": P(), "pk": PK(), "k": K(), "g": G()}[method])
+    intervals = {f"unstable_from_m_s[{i}]": interval.start for i, interval in enumerate(result.intervals)}
+    return intervals | {
+        "flutter_speed_m_s": result.flutter_speed,
+        "flutter_frequency_rad_s": result.flutter_frequency,
+        "divergence_speed_m_s": result.divergence_speed,
+        "first_real_instability_m_s": result.first_real_instability,
+    }
+
+
+def _static(run: dict[str, Any]) -> dict[str, Any]:
+    from aeroservo.aeroelastic.static import static
+
+    result = static(_model(run), _sweep(run))
+    return {"divergence_speed_m_s": result.divergence.V, "reversal_speed_m_s": result.reversal.V}
+
+
+def _modes(run: dict[str, Any]) -> dict[str, Any]:
+    from aeroservo.structure.modal import natural_modes
+
+    omega = natural_modes(_model(run).modes).omega
+    return {f"frequencies_rad_s[{i}]": value for i, value in enumerate(omega)}
+
+
+_ANALYSES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    "flutter": _flutter,
+    "static": _static,
+    "modes": _modes,
+}
+
+
+def _model(run: dict[str, Any]) -> AeroelasticModel:
+    """The model of a run, with its changes."""
+    from aeroservo.aeroelastic.build import build
+    from aeroservo.aircraft.files import read
+    from aeroservo.aircraft.overrides import override
+
+    return build(override(read(run["model"]), run.get("change", {})), run.get("aero"))
+
+
+def _sweep(run: dict[str, Any]) -> FlightCondition:
+    """The air and the speeds of a run."""
+    import numpy as np
+
+    from aeroservo.datatypes import FlightCondition
+
+    low, high, step = run["speeds_m_s"]
+    V = np.append(np.arange(low, high, step), high)
+    if "density_kg_m3" in run:
+        return FlightCondition(V=V, rho=run["density_kg_m3"])
+    return FlightCondition.at(run.get("altitude_m", 0.0), V=V)
