@@ -12,12 +12,12 @@ from aeroservo.datatypes import LinearSystem
 from aeroservo.gust.dryden import dryden_core, dryden_psd, rate_attenuation, rate_length
 from aeroservo.gust.intensity import (
     EXCEEDANCES,
-    SEVERITIES,
     Turbulence,
     constant_turbulence,
     high_altitude_intensity,
     low_altitude_intensity,
     scale_lengths,
+    severity_levels,
     turbulence,
 )
 from aeroservo.gust.records import (
@@ -31,6 +31,7 @@ from aeroservo.gust.response import (
     frequency_response,
     rms_from_frequency_response,
     rms_response,
+    series,
 )
 from aeroservo.gust.sampling import discrete_psd, discretise, folded_psd, stationary_covariance
 from aeroservo.gust.turbulence import component_psd, cs25_turbulence, shaping_filter
@@ -105,6 +106,21 @@ def test_von_karman_as_the_code_prints_it():
     )
     ratio = [von_karman_psd(1e6, component=c, V=V, length=L, intensity=1.0) for c in ("w", "u")]
     assert ratio[0] / ratio[1] == pytest.approx(4 / 3, rel=1e-6)
+
+
+def test_roll_rate_as_the_specifications_print_it():
+    """8785C: sigma^2/(V L) 0.8 (pi L/4b)^(1/3)/(1 + (4b w/pi V)^2); 1797 the same with 2L."""
+    omega, sigma, b = np.array([0.0, 3.0, 40.0]), 1.7, 2.5
+    rest = 0.8 / (1 + (4 * b * omega / (np.pi * V)) ** 2) * sigma**2
+    args = {"component": "p", "V": V, "length": 300.0, "intensity": sigma, "span": b}
+    np.testing.assert_allclose(
+        dryden_psd(omega, **args), rest / (V * 300) * (np.pi * 300 / (4 * b)) ** (1 / 3), rtol=IDENTITY
+    )
+    np.testing.assert_allclose(
+        von_karman_psd(omega, specification="MIL-HDBK-1797", **args),
+        rest / (2 * V * 300) * (2 * np.pi * 300 / (4 * b)) ** (1 / 3),
+        rtol=IDENTITY,
+    )
 
 
 # --- filters -----------------------------------------------------------------------------------------------------
@@ -459,6 +475,24 @@ def test_rms_of_a_lightly_damped_mode_tends_to_the_white_noise_formula():
     assert got == pytest.approx(np.pi * phi / (4 * damping * frequency**3), rel=1e-3)
 
 
+def test_rms_integral_counts_what_lies_below_its_first_frequency():
+    assert rms_from_frequency_response([1.0, 1.0], [0.5, 0.5], [1.0, 2.0]) == pytest.approx(1.0)
+
+
+def test_rms_of_records_through_a_plant():
+    """Plant and filter sampled together, 30 seeds of 400 s: the RMS within 3 standard errors of Lyapunov's."""
+    plant = oscillator(20.0, 0.05)
+    w = shaping_filter(constant_turbulence(2.0), V, model="von_karman")
+    noise = (w.A, w.B, w.C[2:], w.D[2:])
+    A, B, C, D = series(plant, noise)
+    names = {"states": tuple(f"x{i}" for i in range(len(A))), "inputs": w.inputs, "outputs": ("y", "v")}
+    sampled = discretise(LinearSystem(A=A, B=B, C=C, D=D, **names), 0.01)
+    squares = np.array([(turbulence_record(sampled, 40_000, seed=s) ** 2).mean(axis=0) for s in range(30)])
+    error = squares.std(axis=0, ddof=1) / np.sqrt(30)
+    assert np.all(np.abs(squares.mean(axis=0) - rms_response(plant, noise) ** 2) < 3.0 * error)
+    assert np.all(error < 0.05 * squares.mean(axis=0))
+
+
 def test_rms_over_a_sweep_equals_one_by_one():
     speeds = np.array([20.0, 40.0, 80.0])
     system = shaping_filter(constant_turbulence(1.0), speeds)
@@ -501,13 +535,14 @@ def test_intensities_at_and_between_their_nodes():
 
 def test_turbulence_joins_low_and_high():
     """Continuous at 1,000 and 2,000 ft; half way it is the mean; a severity is its two numbers."""
-    for severity, (wind, p) in SEVERITIES.items():
+    for severity in ("light", "moderate", "severe"):
+        wind, p = severity_levels(severity)
         state = turbulence(np.array([999.999, 1000.001, 1500.0, 1999.999, 2000.001]) * FT, severity=severity)
         low, high = 0.1 * wind, high_altitude_intensity(2000.0 * FT, p)
         np.testing.assert_allclose(state.intensity[:, 2], [low, low, 0.5 * (low + high), high, high], rtol=1e-5)
         assert np.abs(np.diff(state.length[[0, 1]], axis=0)).max() < 1e-2
-    assert SEVERITIES["moderate"][0] == pytest.approx(30 * 0.514444, rel=1e-6)
-    own = turbulence(100.0, wind_20ft=4.0, exceedance=1e-6)
+    assert severity_levels("moderate")[0] == pytest.approx(30 * 0.514444, rel=1e-6)
+    own = turbulence(100.0, wind_6m=4.0, exceedance=1e-6)
     assert own.intensity[2] == pytest.approx(0.4)
     assert turbulence(3000.0, severity="severe")[...].intensity.shape == (3,)
     np.testing.assert_allclose(constant_turbulence(1.0, specification="MIL-HDBK-1797").length, [533.4, 266.7, 266.7])
@@ -519,7 +554,7 @@ def test_turbulence_joins_low_and_high():
         (lambda: turbulence(-1.0), r"altitude must not be below ground, 0 \[m\], got -1"),
         (lambda: turbulence(3e4), "must not exceed the table"),
         (lambda: turbulence(1.0, severity="mild"), "unknown severity 'mild': use one of light"),
-        (lambda: turbulence(1.0, wind_20ft=-1.0), "wind at 20 ft must not be negative"),
+        (lambda: turbulence(1.0, wind_6m=-1.0), "wind at 20 ft must not be negative"),
         (lambda: turbulence(1e3, exceedance=0.02), "exceedance must be one of"),
         (lambda: scale_lengths(1.0, specification="MIL-8785"), "unknown turbulence specification 'MIL-8785'"),
         (lambda: scale_lengths(1.0, spectrum="kolmogorov"), "unknown spectrum"),

@@ -21,7 +21,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aeroservo.gust.intensity import Specification, check_specification
+from aeroservo.gust.intensity import Specification, _check_specification
 
 __all__ = ["Component", "dryden_core", "dryden_psd", "rate_attenuation", "roll_rate_psd", "time_scale"]
 
@@ -292,7 +292,7 @@ def time_scale(component: Component, V: ArrayLike, length: ArrayLike, specificat
     """
     if component not in get_args(Component):
         raise ValueError(f"unknown component {component!r}: use one of {', '.join(get_args(Component))}")
-    check_specification(specification)
+    _check_specification(specification)
     V, length = np.asarray(V, dtype=float), np.asarray(length, dtype=float)
     for name, unit, value in (("airspeed V", "m/s", V), ("scale length", "m", length)):
         if not np.all(value > 0.0):

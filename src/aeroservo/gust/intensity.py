@@ -23,7 +23,6 @@ from aeroservo.datatypes import frozen
 
 __all__ = [
     "EXCEEDANCES",
-    "SEVERITIES",
     "Severity",
     "Specification",
     "Spectrum",
@@ -32,6 +31,7 @@ __all__ = [
     "high_altitude_intensity",
     "low_altitude_intensity",
     "scale_lengths",
+    "severity_levels",
     "turbulence",
 ]
 
@@ -43,8 +43,7 @@ Severity = Literal["light", "moderate", "severe"]
 _FT, _KT = 0.3048, 1852.0 / 3600.0
 _LOWEST, _LOW_TOP, _HIGH_BOTTOM = 10.0 * _FT, 1000.0 * _FT, 2000.0 * _FT
 
-#: Wind at 20 ft [m/s] and probability of exceedance [-] of the three named severities.
-SEVERITIES: dict[str, tuple[float, float]] = {
+_SEVERITIES: dict[str, tuple[float, float]] = {
     "light": (15.0 * _KT, 1e-2),
     "moderate": (30.0 * _KT, 1e-3),
     "severe": (45.0 * _KT, 1e-5),
@@ -88,7 +87,7 @@ class Turbulence:
     specification: Specification = "MIL-F-8785C"
 
     def __post_init__(self) -> None:
-        check_specification(self.specification)
+        _check_specification(self.specification)
         sigma, L = np.broadcast_arrays(self.intensity, self.length)
         object.__setattr__(self, "intensity", frozen(sigma, name="intensity"))
         object.__setattr__(self, "length", frozen(L, name="length"))
@@ -108,7 +107,7 @@ def turbulence(
     altitude: ArrayLike,
     *,
     severity: Severity = "light",
-    wind_20ft: float | None = None,
+    wind_6m: float | None = None,
     exceedance: float | None = None,
     spectrum: Spectrum = "dryden",
     specification: Specification = "MIL-F-8785C",
@@ -121,7 +120,7 @@ def turbulence(
         Height above ground, 0 to 24,384 m (80,000 ft). [m]
     severity : {"light", "moderate", "severe"}
         W20 = 15, 30, 45 kt below 1,000 ft and P = 1e-2, 1e-3, 1e-5 above 2,000 ft.
-    wind_20ft : float, optional
+    wind_6m : float, optional
         Wind at 20 ft (6 m) in place of the severity's. [m/s]
     exceedance : float, optional
         Probability of exceedance in place of the severity's, one of `EXCEEDANCES`. [-]
@@ -151,11 +150,9 @@ def turbulence(
     >>> state.length.round(1), state.intensity.round(3)
     (array([533.4, 533.4, 533.4]), array([2.865, 2.865, 2.865]))
     """
-    if severity not in SEVERITIES:
-        raise ValueError(f"unknown severity {severity!r}: use one of {', '.join(SEVERITIES)}")
-    named_wind, named_exceedance = SEVERITIES[severity]
-    wind = named_wind if wind_20ft is None else wind_20ft
-    z = check_altitude(altitude)
+    named_wind, named_exceedance = severity_levels(severity)
+    wind = named_wind if wind_6m is None else wind_6m
+    z = _check_altitude(altitude)
     low = low_altitude_intensity(np.minimum(z, _LOW_TOP), wind)
     top = np.maximum(z, _HIGH_BOTTOM)
     high = high_altitude_intensity(top, named_exceedance if exceedance is None else exceedance)[..., None]
@@ -164,6 +161,40 @@ def turbulence(
         length=scale_lengths(z, spectrum=spectrum, specification=specification),
         specification=specification,
     )
+
+
+def severity_levels(severity: Severity) -> tuple[float, float]:
+    """Wind at 6 m and probability of exceedance that a named severity stands for.
+
+    Parameters
+    ----------
+    severity : {"light", "moderate", "severe"}
+        Name.
+
+    Returns
+    -------
+    wind_6m : float
+        15, 30, 45 kt. [m/s]
+    exceedance : float
+        1e-2, 1e-3, 1e-5. [-]
+
+    Raises
+    ------
+    ValueError
+        If the name is unknown.
+
+    References
+    ----------
+    MIL-F-8785C, section 3.7 (winds at 20 ft of the low-altitude model; curves of Figure 7); contract.md.
+
+    Examples
+    --------
+    >>> round(severity_levels("moderate")[0], 3)
+    15.433
+    """
+    if severity not in _SEVERITIES:
+        raise ValueError(f"unknown severity {severity!r}: use one of {', '.join(_SEVERITIES)}")
+    return _SEVERITIES[severity]
 
 
 def constant_turbulence(intensity: float, *, specification: Specification = "MIL-F-8785C") -> Turbulence:
@@ -195,7 +226,7 @@ def constant_turbulence(intensity: float, *, specification: Specification = "MIL
     >>> constant_turbulence(1.5).intensity
     array([1.5, 1.5, 1.5])
     """
-    check_specification(specification)
+    _check_specification(specification)
     half = 0.5 if specification == "MIL-HDBK-1797" else 1.0
     length = _HIGH_LENGTH["dryden"] * np.array([1.0, half, half])
     return Turbulence(intensity=np.full(3, intensity), length=length, specification=specification)
@@ -236,10 +267,10 @@ def scale_lengths(
     >>> scale_lengths([304.8, 457.2, 609.6]).round(1)[:, 2]
     array([304.8, 419.1, 533.4])
     """
-    check_specification(specification)
+    _check_specification(specification)
     if spectrum not in get_args(Spectrum):
         raise ValueError(f"unknown spectrum {spectrum!r}: use one of {', '.join(get_args(Spectrum))}")
-    z = check_altitude(altitude)
+    z = _check_altitude(altitude)
     h = np.clip(z, _LOWEST, _LOW_TOP)
     horizontal = h / (0.177 + 0.000823 * h / _FT) ** 1.2
     low = np.stack([horizontal, horizontal, h], axis=-1)
@@ -247,14 +278,14 @@ def scale_lengths(
     return length * (np.array([1.0, 0.5, 0.5]) if specification == "MIL-HDBK-1797" else 1.0)
 
 
-def low_altitude_intensity(altitude: ArrayLike, wind_20ft: ArrayLike) -> Array:
+def low_altitude_intensity(altitude: ArrayLike, wind_6m: ArrayLike) -> Array:
     """RMS intensities from 10 to 1,000 ft above ground.
 
     Parameters
     ----------
     altitude : array_like, shape (...)
         Height above ground, 0 to 304.8 m; below 10 ft the formulas take 10 ft. [m]
-    wind_20ft : array_like, shape (...)
+    wind_6m : array_like, shape (...)
         Mean wind at 20 ft (6 m), not negative. [m/s]
 
     Returns
@@ -277,7 +308,7 @@ def low_altitude_intensity(altitude: ArrayLike, wind_20ft: ArrayLike) -> Array:
     >>> low_altitude_intensity(304.8, 10.0)
     array([1., 1., 1.])
     """
-    z, wind = np.broadcast_arrays(check_altitude(altitude), np.asarray(wind_20ft, dtype=float))
+    z, wind = np.broadcast_arrays(_check_altitude(altitude), np.asarray(wind_6m, dtype=float))
     if not np.all(z <= _LOW_TOP * (1.0 + 1e-12)):
         raise ValueError(f"low-altitude formulas hold up to {_LOW_TOP:g} [m], got {z.max():g}")
     if not np.all(wind >= 0.0):
@@ -319,7 +350,7 @@ def high_altitude_intensity(altitude: ArrayLike, exceedance: float) -> Array:
     >>> high_altitude_intensity([533.4, 838.2, 1143.0], 1e-5).round(4)
     array([5.3645, 6.1874, 7.0104])
     """
-    z = check_altitude(altitude)
+    z = _check_altitude(altitude)
     if not np.all(z <= _TABLE_ALTITUDE[-1]):
         raise ValueError(f"altitude must not exceed the table's {_TABLE_ALTITUDE[-1]:g} [m], got {z.max():g}")
     match = np.isclose(EXCEEDANCES, exceedance, rtol=1e-9, atol=0.0)
@@ -330,60 +361,16 @@ def high_altitude_intensity(altitude: ArrayLike, exceedance: float) -> Array:
     return np.interp(z, _TABLE_ALTITUDE, _TABLE_SIGMA[match.argmax()])
 
 
-def check_specification(specification: str) -> None:
-    """Refuse an unknown specification.
-
-    Parameters
-    ----------
-    specification : str
-        Name to check.
-
-    Raises
-    ------
-    ValueError
-        If it is neither "MIL-F-8785C" nor "MIL-HDBK-1797".
-
-    References
-    ----------
-    Project convention: gusts.md, the default is MIL-F-8785C.
-
-    Examples
-    --------
-    >>> check_specification("MIL-F-8785C")
-    """
+def _check_specification(specification: str) -> None:
+    """Refuse an unknown specification."""
     if specification not in get_args(Specification):
         raise ValueError(
             f"unknown turbulence specification {specification!r}: use one of {', '.join(get_args(Specification))}"
         )
 
 
-def check_altitude(altitude: ArrayLike) -> Array:
-    """Heights as a float array, none below ground.
-
-    Parameters
-    ----------
-    altitude : array_like, shape (...)
-        Height above ground. [m]
-
-    Returns
-    -------
-    z : ndarray, shape (...)
-        The same. [m]
-
-    Raises
-    ------
-    ValueError
-        If a height is negative or not a number.
-
-    References
-    ----------
-    Project convention: gusts.md, height above ground = altitude.
-
-    Examples
-    --------
-    >>> check_altitude(3)
-    array(3.)
-    """
+def _check_altitude(altitude: ArrayLike) -> Array:
+    """Heights as a float array, none below ground."""
     z = np.asarray(altitude, dtype=float)
     if not np.all(z >= 0.0):
         raise ValueError(f"altitude must not be below ground, 0 [m], got {z[~(z >= 0.0)].flat[0]:g}")
