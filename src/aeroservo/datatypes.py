@@ -186,9 +186,9 @@ class ModalModel:
     D: Array
     K: Array
     names: tuple[str, ...]
-    M_control: Array | None = None
-    phi: Array | None = None
-    grid: Array | None = None
+    M_control: Array = None  # type: ignore[assignment]
+    phi: Array = None  # type: ignore[assignment]
+    grid: Array = None  # type: ignore[assignment]
     hysteretic_g: float = 0.0
     units: tuple[str, ...] = ()
 
@@ -211,7 +211,7 @@ class ModalModel:
             if any(want not in (0, got) for want, got in zip(shape, array.shape)):
                 raise ValueError(f"{name} must have shape like {shape} (0: free), got {array.shape}")
             object.__setattr__(self, name, array)
-        if self.phi.shape[0] != self.grid.shape[0]:  # type: ignore[union-attr]
+        if self.phi.shape[0] != self.grid.shape[0]:
             raise ValueError("phi and grid must have the same number of points")
         object.__setattr__(self, "units", self.units or ("",) * n)
         if len(self.units) != n:
@@ -425,8 +425,8 @@ class RationalAero:
     b: float
     inputs: tuple[AeroInput, ...]
     lags: Array = field(default_factory=lambda: np.zeros(0))
-    lag_D: Array | None = None
-    lag_E: Array | None = None
+    lag_D: Array = None  # type: ignore[assignment]
+    lag_E: Array = None  # type: ignore[assignment]
     mach: Array = field(default_factory=lambda: np.zeros(1))
 
     def __post_init__(self) -> None:
@@ -464,11 +464,11 @@ class RationalAero:
         mach = np.asarray(mach, dtype=float)
         stacks = (self.A0, self.A1, self.A2, self.lag_D)
         if len(self.mach) == 1:
-            return tuple(x[0] for x in stacks)  # type: ignore[return-value, index]
+            return tuple(x[0] for x in stacks)
         left, weight = _mach_weights(self.mach, mach)
         w = weight[..., None, None]
         right = np.minimum(left + 1, len(self.mach) - 1)
-        return tuple(x[left] * (1.0 - w) + x[right] * w for x in stacks)  # type: ignore[return-value, index]
+        return tuple(x[left] * (1.0 - w) + x[right] * w for x in stacks)
 
     def laplace(self, p: ArrayLike, mach: ArrayLike = 0.0) -> Array:
         """Q anywhere in the plane of the reduced Laplace variable p = s b / V.

@@ -412,6 +412,6 @@ def _rational(
         b=b_ref,
         inputs=inputs,
         lags=np.array(lags),
-        lag_D=np.hstack(lag_D)[None] if lags else None,
-        lag_E=np.vstack(lag_E) if lags else None,
+        lag_D=np.hstack([np.zeros((n, 0)), *lag_D])[None],
+        lag_E=np.vstack([np.zeros((0, n_in)), *lag_E]),
     )

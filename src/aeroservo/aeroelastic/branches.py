@@ -112,10 +112,15 @@ def follow_branches(
     roots = np.take_along_axis(values, follow(values, steps_between(values)[0]), axis=1)
     first = roots_at(mesh[:1])
     names = _branch_names(modes, first.values[0], first.shapes[0])
-    nearest = np.array([int(np.nanargmin(np.abs(first.values[0] - root))) for root in roots[0]])
-    return Branches(
-        V=mesh, roots=roots, names=tuple(names[j] for j in nearest), primary=first.values[0][nearest].imag >= 0.0
-    )
+    labels: list[str] = []
+    primary = np.ones(roots.shape[1], dtype=bool)
+    for j, root in enumerate(roots[0]):
+        if np.isfinite(root):
+            labels.append(names[int(np.nanargmin(np.abs(first.values[0] - root)))])
+            primary[j] = root.imag >= 0.0
+        else:  # appears at a higher speed
+            labels.append(f"lag {len(modes.names) + j + 1}")
+    return Branches(V=mesh, roots=roots, names=tuple(labels), primary=primary)
 
 
 def _branch_names(modes: ModalModel, values: Array, shapes: Array) -> list[str]:
@@ -199,14 +204,12 @@ def unstable_intervals(
     for change in changes:
         name = branches.name_at(change.V, change.root)
         opening = {"start": change.V, "frequency": float(change.root.imag), "mode": name, "roots": 1}
-        if change.kind == "oscillatory":
-            _ = open_.append({**opening, "kind": "flutter"}) if change.opens else close("flutter", change, name, 1)
-        elif change.kind == "real":
-            _ = (
-                open_.append({**opening, "kind": "divergence"})
-                if change.opens
-                else close("divergence", change, name, 1)
-            )
+        if change.kind in ("oscillatory", "real"):
+            kind = "flutter" if change.kind == "oscillatory" else "divergence"
+            if change.opens:
+                open_.append({**opening, "kind": kind})
+            else:
+                close(kind, change, name, 1)
         elif change.kind == "split":
             close("flutter", change, name, 1)
             open_.append({**opening, "kind": "divergence", "roots": 2})

@@ -365,7 +365,8 @@ def _modal(model: ModalFile, aero: str | None) -> AeroelasticModel:
         raise ValueError(f"a modal model brings its own air forces: leave out aero {aero!r}")
     x = model.arrays
     n = len(x.mode_names)
-    modes = ModalModel(M=x.M, D=x.D, K=x.K, M_control=x.M_control, phi=x.phi, grid=x.grid, names=x.mode_names)
+    extra = {name: getattr(x, name) for name in ("M_control", "phi", "grid") if getattr(x, name) is not None}
+    modes = ModalModel(M=x.M, D=x.D, K=x.K, names=x.mode_names, **extra)
     kinds = ["mode"] * n + [_input_kind(name) for name in x.input_names[n:]]
     inputs = tuple(AeroInput(name=name, kind=kind) for name, kind in zip(x.input_names, kinds))  # type: ignore[arg-type]
     return AeroelasticModel(

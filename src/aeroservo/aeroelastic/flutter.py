@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -177,17 +177,18 @@ def flutter(model: AeroelasticModel, sweep: FlightCondition, method: Method = PK
     model, fit = prepared(model, method)
     scale = frequency_scale(model)
 
-    def roots_at(V: Array) -> RootSet:
+    def fresh_roots(V: Array) -> RootSet:
         condition = FlightCondition(V=V, rho=sweep.rho[0], a_sound=sweep.a_sound[0])
         if isinstance(method, P):
             return p_roots(model, condition)
         return frequency_roots(model, condition, g_method=isinstance(method, G))
 
-    def values_at(V: Array) -> Array:
+    def fresh_values(V: Array) -> Array:
         if isinstance(method, P):
             return p_values(model, FlightCondition(V=V, rho=sweep.rho[0], a_sound=sweep.a_sound[0]))
-        return roots_at(V).values
+        return fresh_roots(V).values
 
+    values_at = remembered(fresh_values)
     mesh = np.union1d(sweep.V, np.linspace(sweep.V[0], sweep.V[-1], SEARCH_POINTS))
     changes = boundaries(values_at, mesh, values_at(mesh), scale)
     if isinstance(method, K):
@@ -195,12 +196,12 @@ def flutter(model: AeroelasticModel, sweep: FlightCondition, method: Method = PK
         changes = sorted(found, key=lambda boundary: boundary.V)
     mesh = np.union1d(mesh, [b.V for b in changes])
     start = 1e-3 * slowest(model) * model.aero.b
-    branches = follow_branches(model.modes, roots_at, values_at, mesh, start)
+    branches = follow_branches(model.modes, fresh_roots, values_at, mesh, start)
     intervals = unstable_intervals(changes, branches, float(sweep.V[0]), scale)
     if isinstance(method, K):
         names, speeds, roots, shapes = k_curves(model, sweep)
     else:
-        names, roots, shapes = _on_sweep(branches, roots_at(sweep.V), sweep.V)
+        names, roots, shapes = _on_sweep(branches, fresh_roots(sweep.V), sweep.V)
         speeds = np.broadcast_to(sweep.V[:, None], roots.shape)
     onset = _onset(changes, intervals)
     real = [b.V for b in changes if (b.kind == "real" and b.opens) or b.kind == "split"]
@@ -248,6 +249,40 @@ def check_sweep(sweep: FlightCondition) -> None:
         raise ValueError(f"the sweep must be two or more ascending speeds [m/s], got shape {sweep.V.shape}")
     if np.ptp(sweep.rho) > 0.0 or np.ptp(sweep.a_sound) > 0.0:
         raise ValueError("a sweep has one density and one speed of sound; call once for each altitude")
+
+
+def remembered(values_at: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """The same function of speed, each speed computed once.
+
+    Parameters
+    ----------
+    values_at : callable
+        Roots (m, n_roots) at speeds (m,), each row by its speed alone. [1/s]
+
+    Returns
+    -------
+    values_at : callable
+        With a memory of its own.
+
+    References
+    ----------
+    Project convention: docs/architecture.md, "Tracking".
+
+    Examples
+    --------
+    >>> slow = remembered(lambda V: V[:, None] + 0j)
+    >>> slow(np.array([1.0, 2.0, 1.0]))[:, 0].real.tolist()
+    [1.0, 2.0, 1.0]
+    """
+    memory: dict[float, Array] = {}
+
+    def recalled(V: Array) -> Array:
+        unknown = np.array([v for v in dict.fromkeys(V.tolist()) if v not in memory])
+        if unknown.size:
+            memory.update(zip(unknown.tolist(), values_at(unknown)))
+        return np.stack([memory[v] for v in V.tolist()])
+
+    return recalled
 
 
 def prepared(model: AeroelasticModel, method: Method) -> tuple[AeroelasticModel, RationalFit | None]:

@@ -59,7 +59,7 @@ def harmonic_roots(model: AeroelasticModel, rho: float, k: Array, mach: float = 
         A[:, np.arange(n), n + np.arange(n)] = 1.0
         A[:, n:, :n] = stiffness
         A[:, n:, n:] = np.linalg.solve(mass, np.broadcast_to(1j * modes.D, mass.shape))
-        w = np.linalg.eigvals(A)
+        w = np.linalg.eigvals(A).astype(complex)
     else:
         w = np.sqrt(np.linalg.eigvals(stiffness).astype(complex))
     w = np.where((w.real > 0.0) & (np.abs(w) > 1e-9 * frequency_scale(model)), w, np.nan)

@@ -87,7 +87,7 @@ def _next_fraction(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array
 
 
 def largest_between(
-    f: Callable[[Array, Array], Array], low: Array, high: Array, *, steps: int = 30
+    f: Callable[[Array, Array], Array], low: Array, high: Array, *, steps: int = 22
 ) -> tuple[Array, Array]:
     """Place and value of the largest value of many functions, each inside its interval.
 

@@ -166,6 +166,12 @@ def _with_extremes(
     right = np.vstack([sigma[1:], sigma[-1:]])
     reach = 2.0 * np.maximum(sigma - left, sigma - right)
     top = (sigma < 0.0) & (sigma >= left) & (sigma >= right) & (sigma + reach > 0.0) & (sigma > missing)
+    if len(mesh) > 2:  # at an end, a top lies inside only if the curve bends back
+        for end, one, two in ((0, 1, 2), (-1, -2, -3)):
+            first = (sigma[one] - sigma[end]) / abs(mesh[one] - mesh[end])
+            second = (sigma[two] - sigma[one]) / abs(mesh[two] - mesh[one])
+            bend = (first - second) / abs(mesh[two] - mesh[end]) * abs(mesh[one] - mesh[end])
+            top[end] &= first + 2.0 * bend > 0.0
     i, m = np.nonzero(top)
     if not i.size:
         return mesh, values

@@ -345,10 +345,10 @@ class _Elastic:
 
 def _twist_shape(model: AeroelasticModel) -> Array | None:
     """Rotation about y of the outermost grid point per unit of each mode; None without shapes."""
-    if not model.modes.grid.shape[0]:  # type: ignore[union-attr]
+    if not model.modes.grid.shape[0]:
         return None
-    outermost = int(np.argmax(model.modes.grid[:, 1]))  # type: ignore[index]
-    return np.asarray(model.modes.phi[outermost, 4])  # type: ignore[index]
+    outermost = int(np.argmax(model.modes.grid[:, 1]))
+    return np.asarray(model.modes.phi[outermost, 4])
 
 
 def _control_column(model: AeroelasticModel, name: str | None) -> int | None:

@@ -63,4 +63,4 @@ def typical_section(
     phi = np.zeros((1, 6, n))
     phi[0, 2, 0], phi[0, 4, 1] = -1.0, 1.0
     names, units = ("plunge", "pitch", "flap")[:n], ("m", "rad", "rad")[:n]
-    return ModalModel(M=M, D=np.zeros((n, n)), K=K, names=names, units=units, phi=phi, grid=[[0.0, 1.0, 0.0]])
+    return ModalModel(M=M, D=np.zeros((n, n)), K=K, names=names, units=units, phi=phi, grid=np.array([[0.0, 1.0, 0.0]]))
