@@ -60,7 +60,7 @@ app.command("static", help="Divergence, control reversal, effectiveness, twist."
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
 app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
-#app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
+app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 
 
 def _absent(name: str, what: str) -> None:

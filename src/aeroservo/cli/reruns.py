@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from aeroservo.cli.options import Json
-from aeroservo.cli.output import complain, heading, print_json, table
+from aeroservo.cli.output import complain, heading, not_yet, print_json, table
 
 Case = Annotated[str | None, typer.Argument(metavar="[CASE]", help="One case; all if left out.")]
 Folder = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the figures go.")]
@@ -60,3 +60,14 @@ def validate(case: Case = None, *, as_json: Json = False) -> None:
     if failed:
         complain(f"{len(failed)} of {len(checks)} checks fail")
         raise typer.Exit(1)
+
+
+def demo(*, out: Folder = Path("aeroservo-demo")) -> None:
+    """Print the thesis' tables beside ours and write the figures.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the figures, made if it is not there.
+    """
+    not_yet("the command 'demo'")

@@ -162,8 +162,9 @@ def _flutter(run: dict[str, Any]) -> dict[str, Any]:
     from aeroservo.aeroelastic.flutter import PK, G, K, P, flutter
     from aeroservo.aircraft.files import read
 
-    method = run.get("method") or DEFAULTS[read(run["model"]).kind].method
-    result = flutter(_model(run), _sweep(run), {"p": P(), "pk": PK(), "k": K(), "g": G()}[method])
+    methods: dict[str, P | PK | K | G] = {"p": P(), "pk": PK(), "k": K(), "g": G()}
+    method = methods[run.get("method") or DEFAULTS[read(run["model"]).kind].method]
+    result = flutter(_model(run), _sweep(run), method)
     intervals = {f"unstable_from_m_s[{i}]": interval.start for i, interval in enumerate(result.intervals)}
     return intervals | {
         "flutter_speed_m_s": result.flutter_speed,

@@ -1,0 +1,115 @@
+"""`validate`: the contract's JSON, a case that fails, a case that does not exist; every case file is well formed."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from aeroservo.studies import validation
+
+Cli = Callable[..., Any]
+COMMON = {"schema_version", "model", "altitude_m", "density_kg_m3", "warnings"}
+
+
+def test_validate_json(cli: Cli) -> None:
+    """Keys of the contract; the binary wing passes; difference, tolerance and pass agree with each other."""
+    answer = cli("validate", "binary_wing", "--json")
+    assert answer.code == 0, answer.err
+    assert set(answer.json) == COMMON | {"cases"}
+    assert len(answer.json["cases"]) == 8
+    for row in answer.json["cases"]:
+        assert set(row) == {"name", "quantity", "reference", "result", "difference", "tolerance", "citation", "pass"}
+        assert row["difference"] == pytest.approx(row["result"] - row["reference"], abs=1e-12)
+        assert row["pass"] is (abs(row["difference"]) <= row["tolerance"])
+        assert row["pass"] is True
+        assert "Wright" in row["citation"]
+        assert 0.0 < row["tolerance"] <= 1e-3 * row["reference"]
+
+
+def test_validate_for_people(cli: Cli) -> None:
+    """The table says how many pass, and names its sources."""
+    answer = cli("validate", "typical_section")
+    assert answer.code == 0
+    assert "6 of 6 pass" in answer.out
+    assert "NASA/TP-2015-218765" in answer.out
+
+
+def case_folder(folder: Path, text: str) -> None:
+    """A folder of cases with one case in it."""
+    (folder / "mine").mkdir()
+    (folder / "mine" / "runs.toml").write_text(text, encoding="utf-8")
+
+
+RUN = """
+citation = "nobody"
+[[run]]
+what = "modes"
+model = "wright-cooper-binary"
+analysis = "modes"
+[[run.check]]
+quantity = "frequencies_rad_s[0]"
+reference = {reference}
+{tolerance}
+"""
+
+
+@pytest.mark.parametrize(
+    ("reference", "tolerance", "code"),
+    [
+        (17.75, "relative = 1e-3", 0),
+        (17.75, "relative = 1e-5", 1),
+        (17.0, "absolute = 1.0", 0),
+        (17.0, "absolute = 0.5", 1),
+    ],
+)
+def test_a_folder_is_a_case_and_may_fail(
+    cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reference: float, tolerance: str, code: int
+) -> None:
+    """A new case is a folder and no code; one that misses its tolerance makes the exit code 1."""
+    case_folder(tmp_path, RUN.format(reference=reference, tolerance=tolerance))
+    monkeypatch.setattr(validation, "CASES", tmp_path)
+    answer = cli("validate", "--json")
+    assert answer.code == code
+    assert answer.json["cases"][0]["pass"] is (code == 0)
+    assert ("FAIL" in cli("validate").out) is (code == 1)
+
+
+def test_no_result_is_a_failure() -> None:
+    """A speed that was not found does not pass."""
+    check = validation.Check(name="x", quantity="v", reference=1.0, result=None, tolerance=9.0, citation="")
+    assert check.difference is None
+    assert not check.passed
+
+
+def test_unknown_case(cli: Cli) -> None:
+    """An unknown case is code 2, with those that exist."""
+    answer = cli("validate", "../goland", "--json")
+    assert (answer.code, answer.out) == (2, "")
+    assert "goland" in answer.err
+
+
+def test_misspelt_keys_of_a_case_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tolerance under another name would be no tolerance."""
+    case_folder(tmp_path, RUN.format(reference=1.0, tolerance="relatif = 1e-3\nrelative = 1.0"))
+    monkeypatch.setattr(validation, "CASES", tmp_path)
+    with pytest.raises(ValueError, match="relatif"):
+        validation.validate()
+
+
+@pytest.mark.parametrize("name", validation.cases())
+def test_case_files_are_complete(name: str) -> None:
+    """Each case cites its source, has a SOURCE.md, and gives every check one tight tolerance."""
+    folder = validation.CASES / name
+    content = tomllib.loads((folder / "runs.toml").read_text(encoding="utf-8"))
+    assert content["citation"]
+    assert "Tolerance" in (folder / "SOURCE.md").read_text(encoding="utf-8")
+    for run in content["run"]:
+        assert run["check"]
+        for check in run["check"]:
+            assert ("relative" in check) != ("absolute" in check)
+            assert check.get("relative", 0.0) <= 1e-3
+            assert check.get("absolute", 0.0) <= 0.025 * check["reference"]
