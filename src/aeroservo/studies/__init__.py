@@ -1,1 +1,1 @@
-"""Whole studies made of the analyses: published cases re-run, the thesis' tables."""
+"""Studies: questions that take several analyses to answer."""

@@ -1,0 +1,211 @@
+"""Flutter boundaries over one or two numbers of a model file, streamed to disk so that an interruption loses nothing.
+
+Points are computed one after the other, each by the same `flutter` that a single speed comes from. While a sweep runs, its
+points go to a journal beside the result (`FILE.part`, one JSON line each, flushed); a later call with the same model and
+options goes on where the journal ends.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from aeroservo.aeroelastic.flutter import Method
+    from aeroservo.aircraft.schema_base import FileModel
+    from aeroservo.datatypes import FlightCondition
+
+#: Most points of one sweep.
+MOST = 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Over:
+    """A number of the model file and the values that it takes.
+
+    Attributes
+    ----------
+    field : str
+        Dotted path, as `aircraft.overrides` takes it.
+    values : tuple of float
+        Ascending. [unit of the field, in its name]
+    """
+
+    field: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """The boundary at one point.
+
+    Attributes
+    ----------
+    values : tuple of float
+        Of the fields, in their order. [unit of each field]
+    found : bool
+        Whether any instability lies in the range of speeds.
+    flutter_speed, flutter_frequency : float or None
+        Lowest flutter. [m/s, rad/s]
+    flutter_mode : str or None
+        The mode that crosses.
+    divergence_speed : float or None
+        Static divergence. [m/s]
+    """
+
+    values: tuple[float, ...]
+    found: bool
+    flutter_speed: float | None
+    flutter_frequency: float | None
+    flutter_mode: str | None
+    divergence_speed: float | None
+
+
+def flutter_boundary(
+    model: FileModel,
+    over: tuple[Over, ...],
+    sweep: FlightCondition,
+    method: Method,
+    *,
+    aero: str | None = None,
+    journal: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Point, ...]:
+    """Flutter and divergence at every combination of the values of one or two fields.
+
+    Parameters
+    ----------
+    model : FileModel
+        From `aeroservo.read`.
+    over : tuple of Over, length 1 or 2
+        What varies; the last field varies fastest.
+    sweep : FlightCondition
+        Speeds at one density, shape (n_V,). [m/s, kg/m^3]
+    method : P, PK, K or G
+        How roots are found.
+    aero : str, optional
+        Air forces; by kind of model if left out.
+    journal : Path, optional
+        Where points are kept until the sweep is complete; points already there are not computed again.
+    progress : callable, optional
+        Called with the number of points done and of all points, after each.
+
+    Returns
+    -------
+    points : tuple of Point
+        One for each combination. [m/s, rad/s]
+
+    Raises
+    ------
+    ValueError
+        If a field does not exist, a value is not allowed in some combination, there are too many points, or the
+        journal belongs to another sweep.
+    """
+    from aeroservo.aeroelastic.build import build
+    from aeroservo.aeroelastic.flutter import flutter
+    from aeroservo.aircraft.overrides import override
+
+    count = math.prod(len(one.values) for one in over)
+    if len(over) not in (1, 2) or len({one.field for one in over}) != len(over):
+        raise ValueError(f"a boundary is over one field or two different ones, got {[one.field for one in over]}")
+    if count > MOST:
+        raise ValueError(f"a sweep may have at most {MOST:,} points, got {count:,}: take larger steps")
+    fields = [one.field for one in over]
+    grid = list(product(*(one.values for one in over)))
+    for values in _extremes(over):  # refuse before the first hour of work, not after it
+        override(model, dict(zip(fields, values)))
+    header = _header(model, over, sweep, method, aero)
+    with _Journal(journal, header) as kept:
+        points = list(kept.points[:count])
+        for values in grid[len(points) :]:
+            found = flutter(build(override(model, dict(zip(fields, values))), aero), sweep, method)
+            point = Point(
+                values=values,
+                found=found.found,
+                flutter_speed=found.flutter_speed,
+                flutter_frequency=found.flutter_frequency,
+                flutter_mode=found.flutter_mode,
+                divergence_speed=found.divergence_speed,
+            )
+            kept.add(point)
+            points.append(point)
+            if progress is not None:
+                progress(len(points), count)
+    return tuple(points)
+
+
+def _extremes(over: tuple[Over, ...]) -> Iterator[tuple[float, ...]]:
+    """Corners of the grid, where ranges and rules across fields fail first."""
+    return product(*(sorted({one.values[0], one.values[-1]}) for one in over))
+
+
+def _header(
+    model: FileModel, over: tuple[Over, ...], sweep: FlightCondition, method: Method, aero: str | None
+) -> dict[str, Any]:
+    """What tells one sweep from another."""
+    arrays = (model.__pydantic_private__ or {}).get("_arrays")
+    return {
+        "model": json.loads(model.model_dump_json()),
+        "data": None if arrays is None else [float(abs(getattr(arrays, x)).sum()) for x in ("M", "K", "Q", "k")],
+        "over": [[one.field, list(one.values)] for one in over],
+        "speeds_m_s": [float(v) for v in sweep.V],
+        "density_kg_m3": float(sweep.rho[0]),
+        "speed_of_sound_m_s": float(sweep.a_sound[0]),
+        "method": [type(method).__name__, asdict(method)],
+        "aero": aero,
+    }
+
+
+class _Journal:
+    """Points of an unfinished sweep, one JSON line each after a first line that says which sweep it is."""
+
+    def __init__(self, path: Path | None, header: dict[str, Any]) -> None:
+        self.path, self.header = path, header
+        self.points: list[Point] = []
+        self.file: Any = None
+
+    def __enter__(self) -> _Journal:
+        if self.path is None:
+            return self
+        if self.path.exists():
+            whole = self._read(self.path)
+        else:
+            whole = json.dumps(self.header) + "\n"
+        # Written again whole, so that a line cut by an interruption is gone; replaced in one step.
+        temporary = self.path.with_name(self.path.name + ".new")
+        temporary.write_text(whole, encoding="utf-8")
+        os.replace(temporary, self.path)
+        self.file = open(self.path, "a", encoding="utf-8")  # noqa: SIM115  (closed in __exit__)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.file is not None:
+            self.file.close()
+
+    def add(self, point: Point) -> None:
+        """Keep a point."""
+        if self.file is not None:
+            self.file.write(json.dumps(asdict(point)) + "\n")
+            self.file.flush()
+
+    def _read(self, path: Path) -> str:
+        """Take over the points of a journal of this very sweep; its complete lines."""
+        text = path.read_text(encoding="utf-8", errors="replace")
+        lines = text[: text.rfind("\n") + 1].splitlines()
+        try:
+            mine = bool(lines) and json.loads(lines[0]) == self.header
+            rows = [json.loads(line) for line in lines[1:]] if mine else []
+            self.points = [Point(**(row | {"values": tuple(row["values"])})) for row in rows]
+        except (ValueError, TypeError, KeyError):
+            mine = False
+        if not mine:
+            raise ValueError(
+                f"{path}: is the journal of another sweep, or damaged; delete it or name another file to write to"
+            )
+        return "".join(line + "\n" for line in lines)
