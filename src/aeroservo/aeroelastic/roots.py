@@ -217,7 +217,7 @@ def _oscillatory_roots(
     values, shapes, done = _newton(model, condition[row], start, g_method)
     done &= (values.imag >= low[0]) & (values.imag <= high[0])
     done &= ~_repeated(row, values)
-    left = np.flatnonzero(~done)
+    left = np.flatnonzero(np.isin(row, row[~done]))  # numbers at one speed are found by one way
     if left.size:
         n, at = model.modes.n, condition[row[left]]
 
