@@ -166,9 +166,13 @@ def test_linearize_without_a_speed(cli: Cli) -> None:
     assert "--speed" in cli("linearize", "thesis-binary").err
 
 
-@pytest.mark.parametrize("over", ["wing.stiffness=1:2:1", "wing.chord_m", "wing.chord_m=2:1:1", "=1:2:1"])
+@pytest.mark.parametrize(
+    "over", ["wing.stiffness=1:2:1", "wing.chord_m", "wing.chord_m=2:1:1", "=1:2:1", "wing.chord_m=-1:1:1"]
+)
 def test_over_that_cannot_be(cli: Cli, over: str) -> None:
-    """--over with an unknown field, or without a range."""
+    """--over with an unknown field, without a range, into what is not allowed."""
     answer = cli("flutter", "thesis-binary", "--over", over)
     assert (answer.code, answer.out) == (2, "")
-    assert "--over" in answer.err
+    assert "--over" in answer.err or "wing." in answer.err
+    if "stiffness" in over:
+        assert "wing.pitch_stiffness_N_m" in answer.err

@@ -76,8 +76,9 @@ def nearest(word: Any, words: Iterable[str]) -> str:
     """
     if not isinstance(word, str) or len(word) > 200:
         return ""
-    close = difflib.get_close_matches(word.lower(), {w.lower(): w for w in words}, n=1, cutoff=0.6)
     exact = {w.lower(): w for w in words}
+    longer = [w for w in exact if len(word) > 3 and w.startswith(word.lower())]
+    close = longer[:1] or difflib.get_close_matches(word.lower(), exact, n=1, cutoff=0.6)
     return f"; did you mean {exact[close[0]]!r}?" if close else ""
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from aeroservo.cli.boundary import run_boundary
 from aeroservo.cli.loaded import SAMPLED, air, altitude_of, draw, load, tell, tell_fit
 from aeroservo.cli.options import (
     PLOTS,
@@ -94,14 +95,17 @@ def flutter(
     checked_output(out, (".json",), "--out")
     if controller is not None:
         not_yet("--controller (closing the loop)")
-    if over:
-        not_yet("--over (boundaries over numbers of the model file)")
     if sensitivities:
         not_yet("--sensitivities")
     file, built, notes = load(model, aero, speeds)
     theory, chosen = _choice(file, aero, method, fit_bound)
     low, high, step = sweep_of(file, speeds)
     sweep = condition_of(altitude, density, (low, high, step))
+    if over:
+        head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
+        head |= {"method": type(chosen).__name__.lower(), "aero": theory, "speeds_m_s": [low, high, step]}
+        run_boundary(head, file, over, sweep, chosen, aero=aero, out=out, plot=plot, as_json=as_json)
+        return
     found = analyse(built, sweep, chosen)
     notes += found.warnings
     if found.fit is not None:

@@ -1,8 +1,8 @@
 """Flutter boundaries over one or two numbers of a model file, streamed to disk so that an interruption loses nothing.
 
-Points are computed one after the other, each by the same `flutter` that a single speed comes from. While a sweep runs, its
-points go to a journal beside the result (`FILE.part`, one JSON line each, flushed); a later call with the same model and
-options goes on where the journal ends.
+Points are computed one after the other, each by the same `flutter` that a single speed comes from. While a sweep runs,
+its points go to a journal beside the result (`FILE.part`, one JSON line each, flushed); a later call with the same
+model and options goes on where the journal ends.
 """
 
 from __future__ import annotations
@@ -140,6 +140,36 @@ def flutter_boundary(
     return tuple(points)
 
 
+def boundary_problems(model: FileModel, over: tuple[Over, ...]) -> tuple[str, ...]:
+    """Findings that the varied models have at the corners of the grid and the model itself has not.
+
+    Parameters
+    ----------
+    model : FileModel
+        From `aeroservo.read`.
+    over : tuple of Over
+        What varies.
+
+    Returns
+    -------
+    problems : tuple of str
+        Each with the values at which it was found.
+
+    Raises
+    ------
+    ValueError
+        If a field does not exist or a value is not allowed.
+    """
+    from aeroservo.aircraft.overrides import override
+
+    found = []
+    for values in _extremes(over):
+        changes = {one.field: value for one, value in zip(over, values)}
+        where = ", ".join(f"{field} = {value:g}" for field, value in changes.items())
+        found += [f"at {where}: {p}" for p in override(model, changes).problems() if p not in model.problems()]
+    return tuple(found)
+
+
 def _extremes(over: tuple[Over, ...]) -> Iterator[tuple[float, ...]]:
     """Corners of the grid, where ranges and rules across fields fail first."""
     return product(*(sorted({one.values[0], one.values[-1]}) for one in over))
@@ -181,7 +211,7 @@ class _Journal:
         temporary = self.path.with_name(self.path.name + ".new")
         temporary.write_text(whole, encoding="utf-8")
         os.replace(temporary, self.path)
-        self.file = open(self.path, "a", encoding="utf-8")  # noqa: SIM115  (closed in __exit__)
+        self.file = open(self.path, "a", encoding="utf-8")
         return self
 
     def __exit__(self, *_: object) -> None:
