@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aeroservo.atmosphere import atmosphere
+from aeroservo.servo import Actuator, Gravity, LiftCurve, Limit, Sensor
 
 if TYPE_CHECKING:
     import control
@@ -558,11 +559,14 @@ class Spring:
         Coefficients c0, c1, ... [-, 1/unit, ...]
     freeplay : float
         Half width of the dead band. [unit of the coordinate]
+    stiffness : float, optional
+        K of this spring alone; None takes it from the diagonal of the model's K, which holds K c0. [SI]
     """
 
     mode: str
     polynomial: tuple[float, ...] = (1.0,)
     freeplay: float = 0.0
+    stiffness: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -583,6 +587,18 @@ class AeroelasticModel:
         Nonlinear springs; linear analyses take K as it is and say so.
     mass : float, optional
         Mass that the lift of `loads` carries (half an aircraft for a half wing). [kg]
+    actuators : tuple of Actuator
+        What moves the controls; a control without one follows its command at once.
+    sensors : tuple of Sensor
+        What is measured beside the coordinates and their rates.
+    lift_curve : LiftCurve, optional
+        Stall; linear analyses take the straight line.
+    gravity : Gravity, optional
+        Weight that the springs carry; linear analyses are about the equilibrium and leave it out.
+    incidence : float
+        Steady incidence (trim pitch) at which the column "incidence" acts. [rad]
+    limits : tuple of Limit
+        Where a simulation ends.
     """
 
     modes: ModalModel
@@ -591,9 +607,15 @@ class AeroelasticModel:
     loads: StaticLoads | None = None
     springs: tuple[Spring, ...] = ()
     mass: float | None = None
+    actuators: tuple[Actuator, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    lift_curve: LiftCurve | None = None
+    gravity: Gravity | None = None
+    incidence: float = 0.0
+    limits: tuple[Limit, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check that structure and air forces speak of the same modes."""
+        """Check that structure, air forces and attachments speak of the same modes and controls."""
         columns = tuple(i.name for i in self.aero.inputs if i.kind == "mode")
         if columns != self.modes.names:
             raise ValueError(f"the modes of aero {columns} are not those of the structure {self.modes.names}")
@@ -602,6 +624,12 @@ class AeroelasticModel:
         unknown = {spring.mode for spring in self.springs} - set(self.modes.names)
         if unknown:
             raise ValueError(f"springs name unknown modes {sorted(unknown)}; the modes are {self.modes.names}")
+        moved, controls = [a.control for a in self.actuators], {i.name for i in self.aero.inputs if i.kind == "control"}
+        if set(moved) - controls or len(set(moved)) != len(moved):
+            raise ValueError(f"actuators must move different controls out of {sorted(controls)}, got {moved}")
+        unknown = {limit.mode for limit in self.limits} - set(self.modes.names)
+        if unknown:
+            raise ValueError(f"limits name unknown modes {sorted(unknown)}; the modes are {self.modes.names}")
 
     def columns(self, kind: InputKind) -> list[int]:
         """Indices of the inputs of one kind. [-]"""
