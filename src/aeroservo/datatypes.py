@@ -531,16 +531,43 @@ class StaticLoads:
         "lift" (up, N) and "roll" (starboard wing up, N m about the root), as far as they exist.
     Q : ndarray, shape (n_loads, n_in)
         Load = q_bar Q [q, u, w_g/V, 1]. [m^2 or m^3 per unit]
+    y, width : ndarray, shape (n_strips,)
+        Span coordinate of each strip [m] and the length of flexural axis that it stands for [m]; empty where the
+        model has no strips.
+    lift, torque : ndarray, shape (n_strips, n_in)
+        Lift up [m per unit] and torque about the flexural axis, nose up [m^2 per unit], per length of axis and q_bar.
+    weight : ndarray, shape (n,)
+        Generalised force of gravity on each mode, root level; empty where it is not known. [N per unit]
+    limit : float
+        Dynamic pressure up to which the modes resolve static deflections; beyond it no divergence or reversal is
+        sought. [Pa]
     """
 
     names: tuple[str, ...]
     Q: Array
+    y: Array = ()  # type: ignore[assignment]
+    width: Array = ()  # type: ignore[assignment]
+    lift: Array = None  # type: ignore[assignment]
+    torque: Array = None  # type: ignore[assignment]
+    weight: Array = ()  # type: ignore[assignment]
+    limit: float = np.inf
 
     def __post_init__(self) -> None:
-        """Lock the array and check its rows."""
+        """Lock the arrays and check their shapes."""
         object.__setattr__(self, "Q", frozen(self.Q, ndim=2, name="Q"))
         if self.Q.shape[0] != len(self.names):
             raise ValueError(f"Q must have one row for each of {self.names}, got shape {self.Q.shape}")
+        for name in ("y", "weight"):
+            object.__setattr__(self, name, frozen(getattr(self, name), ndim=1, name=name))
+        strips = (len(self.y), self.Q.shape[1])
+        for name, shape in (("width", strips[:1]), ("lift", strips), ("torque", strips)):
+            value = getattr(self, name)
+            array = frozen(np.zeros(shape) if value is None else value, ndim=len(shape), name=name)
+            if array.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
+            object.__setattr__(self, name, array)
+        if not self.limit > 0.0:
+            raise ValueError(f"limit must be positive [Pa], got {self.limit:g}")
 
     def row(self, name: str) -> Array:
         """The row of one load, shape (n_in,). [m^2 or m^3 per unit]"""
@@ -587,6 +614,9 @@ class AeroelasticModel:
         Nonlinear springs; linear analyses take K as it is and say so.
     mass : float, optional
         Mass that the lift of `loads` carries (half an aircraft for a half wing). [kg]
+    statics : AeroelasticModel, optional
+        The same wing, root held, in as many modes as static deflections need: what static analyses use where it is
+        given, so that dynamic ones can do with few modes.
     actuators : tuple of Actuator
         What moves the controls; a control without one follows its command at once.
     sensors : tuple of Sensor
@@ -607,6 +637,7 @@ class AeroelasticModel:
     loads: StaticLoads | None = None
     springs: tuple[Spring, ...] = ()
     mass: float | None = None
+    statics: AeroelasticModel | None = None
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     lift_curve: LiftCurve | None = None
@@ -640,8 +671,8 @@ class AeroelasticModel:
         return next((i for i, column in enumerate(self.aero.inputs) if column.name == name), None)
 
     def with_K(self, K: Array) -> AeroelasticModel:
-        """The same model on another stiffness matrix, shape (n, n). [SI]"""
-        return replace(self, modes=replace(self.modes, K=K))
+        """The same model on another stiffness matrix, shape (n, n), which its statics then use too. [SI]"""
+        return replace(self, modes=replace(self.modes, K=K), statics=None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -18,14 +18,15 @@ from aeroservo.aero.strip import (
     strip_aero,
     strip_shapes,
 )
+from aeroservo.aeroelastic.build_beam import beam_model
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.aircraft.schema_other import ModalFile
 from aeroservo.aircraft.schema_section import TypicalSection
 from aeroservo.aircraft.schema_wing import AircraftWing, BinaryWing, WholeAircraft
-from aeroservo.datatypes import AeroelasticModel, AeroInput, Array, ModalModel, SampledAero, Spring
+from aeroservo.datatypes import AeroelasticModel, AeroInput, ModalModel, SampledAero, Spring
 from aeroservo.structure.assumed import binary_wing, whole_aircraft
-from aeroservo.structure.beam import BeamMass, SlenderBeam, beam_modes
+from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.damping import modal_damping
 from aeroservo.structure.section import typical_section
 
@@ -36,12 +37,6 @@ THEORIES: dict[str, Callable[[], Theory]] = {
     "theodorsen": Theodorsen,
 }
 """Section theories by the name that `--aero` has for them."""
-
-BEAM_MODES = 10
-"""Modes kept of a beam wing: enough for flutter speeds of ordinary wings to 1e-6."""
-
-STRIP_POINTS = 48
-"""Strips of a beam wing, at least; Gauss points between stations and ends of the elevon."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +102,13 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
     if isinstance(model, BinaryWing | WholeAircraft):
         return _assumed(model, theory)
     assert isinstance(model, BeamWing)  # DEFAULTS holds no other kind
-    return _beam(model, theory)
+    if model.damping is not None and model.damping.viscous is not None:
+        raise ValueError(
+            "damping.viscous acts on the two coordinates of an assumed wing: for a beam_wing give "
+            "[damping.modal], [damping.rayleigh] or [damping.hysteretic]"
+        )
+    wing = beam_model(model, theory)
+    return replace(wing, modes=_damped(wing.modes, model.damping, None))
 
 
 def structure(model: FileModel) -> ModalModel:
@@ -198,7 +199,7 @@ def _section(model: TypicalSection, theory: Theory) -> AeroelasticModel:
 def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticModel:
     """Gauss points along the assumed shapes; sweep by V cos(Lambda) only, as the contract has it."""
     w = model.wing
-    points, width = _gauss(np.array([0.0, w.semi_span_m]), 6)
+    points, width = gauss_points([0.0, w.semi_span_m], 6)
     sweep = np.deg2rad(w.sweep_deg)
     common: dict[str, Any] = {
         "semi_span": w.semi_span_m,
@@ -237,128 +238,6 @@ def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticMo
     return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=mass)
 
 
-def _beam(model: BeamWing, theory: Theory) -> AeroelasticModel:
-    """Beam modes at Gauss points between stations, ends of the elevon and equal parts of the span."""
-    w, beam = model.wing, slender_beam(model)
-    elevon = w.elevon
-    breaks = np.unique(np.concatenate([beam.y, [elevon.from_y_m, elevon.to_y_m] if elevon else []]))
-    parts = np.maximum(1, np.round(STRIP_POINTS / 6 * np.diff(breaks) / beam.length)).astype(int)
-    nodes = np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
-    s, width = _gauss(nodes, 6)
-    found = beam_modes(beam, n=_beam_mode_count(w.root, w.symmetry), points=np.append(s, beam.y[-1]))
-    modes = ModalModel(
-        M=found.M,
-        D=np.zeros_like(found.M),
-        K=found.K,
-        names=found.names,
-        phi=found.phi,
-        grid=found.grid,
-    )
-    if model.damping is not None and model.damping.viscous is not None:
-        raise ValueError(
-            "damping.viscous acts on the two coordinates of an assumed wing: for a beam_wing give "
-            "[damping.modal], [damping.rayleigh] or [damping.hysteretic]"
-        )
-    modes = _damped(modes, model.damping, None)
-
-    def along(field: str) -> Array:
-        return np.interp(s, beam.y, [getattr(station, field) for station in w.station])
-
-    chord, axis = along("chord_m"), along("flexural_axis")
-    on_elevon = (s > elevon.from_y_m) & (s < elevon.to_y_m) if elevon else np.zeros(len(s), dtype=bool)
-    y_span = found.grid[:-1, 1] - beam.origin[1]
-    strips = Strips(
-        y=y_span,
-        width=width,
-        b=0.5 * chord,
-        a=2.0 * axis - 1.0,
-        eccentricity=axis - 0.25,
-        lift_slope=np.full(len(s), _finite_span_slope(model, beam)),
-        moment_rate=np.full(len(s), -1.2),
-        sweep=beam.at("sweep", s),
-        elevon_lift=on_elevon * (elevon.lift_per_rad if elevon else 0.0),
-        elevon_moment=on_elevon * (elevon.moment_per_rad if elevon else 0.0),
-        incidence=np.deg2rad(along("incidence_deg")),
-        cm0=along("cm0"),
-        span=float(found.grid[-1, 1] - beam.origin[1]),
-    )
-    aero, loads = strip_aero(strips, strip_shapes(modes, strips.sweep), modes.names, theory)
-    mass = np.trapezoid([station.mass_kg_per_m for station in w.station], beam.y) + sum(m.mass_kg for m in w.mass)
-    return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=float(mass))
-
-
-def slender_beam(model: BeamWing) -> SlenderBeam:
-    """The beam of a `beam_wing` file.
-
-    Parameters
-    ----------
-    model : BeamWing
-        The file. Lump inertias are about their own centre of gravity.
-
-    Returns
-    -------
-    beam : SlenderBeam
-        Origin of its axes at the root leading edge. [SI]
-
-    Raises
-    ------
-    ValueError
-        As `SlenderBeam`.
-
-    References
-    ----------
-    contract.md, kind "beam_wing".
-
-    Examples
-    --------
-    >>> from aeroservo.aircraft.files import read
-    >>> slender_beam(read("goland")).length
-    6.096
-    """
-    w, stations = model.wing, model.wing.station
-
-    def each(field: str) -> list[float]:
-        return [getattr(station, field) for station in stations]
-
-    sweep = [w.sweep_deg if station.sweep_deg is None else station.sweep_deg for station in stations]
-    return SlenderBeam(
-        y=each("y_m"),  # type: ignore[arg-type]
-        mass=each("mass_kg_per_m"),  # type: ignore[arg-type]
-        inertia=each("inertia_kg_m"),  # type: ignore[arg-type]
-        EI=each("EI_N_m2"),  # type: ignore[arg-type]
-        GJ=each("GJ_N_m2"),  # type: ignore[arg-type]
-        cg_offset=np.array([(s.cg_axis - s.flexural_axis) * s.chord_m for s in stations]),
-        coupling=each("coupling_N_m2"),  # type: ignore[arg-type]
-        sweep=np.deg2rad(sweep),
-        masses=tuple(BeamMass(y=m.y_m, mass=m.mass_kg, x=m.x_m, inertia=m.inertia_kg_m2) for m in w.mass),
-        root=w.root,
-        symmetry=w.symmetry,
-        origin=np.array([stations[0].flexural_axis * stations[0].chord_m, 0.0, 0.0]),
-    )
-
-
-def _beam_mode_count(root: str, symmetry: str) -> int:
-    """Elastic modes kept, and the rigid ones besides."""
-    rigid = {"clamped": 0, "free": 2 if symmetry == "symmetric" else 1}[root]
-    return BEAM_MODES + rigid
-
-
-def _finite_span_slope(model: BeamWing, beam: SlenderBeam) -> float:
-    """Section lift slope, corrected for a finite span where the file asks for it."""
-    from aeroservo.aero.finite_span import helmbold_slope, polhamus_slope
-
-    w = model.wing
-    if w.lift_slope_correction == "none":
-        return w.lift_slope_per_rad
-    chords = [station.chord_m for station in w.station]
-    tip = beam.position(beam.y[-1])
-    aspect_ratio = 2.0 * float(tip[1]) ** 2 / (float(np.trapezoid(chords, beam.y)) * float(tip[1]) / beam.length)
-    if w.lift_slope_correction == "helmbold":
-        return float(helmbold_slope(aspect_ratio, w.lift_slope_per_rad))
-    mean_sweep = float(np.arctan2(tip[0] - beam.origin[0], tip[1]))
-    return float(polhamus_slope(aspect_ratio, mean_sweep, w.lift_slope_per_rad))
-
-
 def _modal(model: ModalFile, aero: str | None) -> AeroelasticModel:
     """The user's own modes and air forces."""
     if aero is not None:
@@ -392,11 +271,3 @@ def _damped(modes: ModalModel, damping: Any, viscous: tuple[float, float] | None
     if damping.rayleigh is not None:
         return replace(modes, D=damping.rayleigh.alpha * modes.M + damping.rayleigh.beta * modes.K)
     return replace(modes, hysteretic_g=damping.hysteretic.g)
-
-
-def _gauss(nodes: Array, n: int) -> tuple[Array, Array]:
-    """Gauss points and weights in every part between nodes, in order."""
-    x, weight = np.polynomial.legendre.leggauss(n)
-    half = 0.5 * np.diff(nodes)[:, None]
-    middle = 0.5 * (nodes[1:] + nodes[:-1])[:, None]
-    return (middle + half * x).ravel(), (half * weight).ravel()

@@ -8,25 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aeroservo.aeroelastic.static_speed import StaticSpeed, at_own_mach, lowest_pressure, within_limit
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
 
 Array = NDArray[Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class StaticSpeed:
-    """A dynamic pressure and the speed that goes with it at one density.
-
-    Attributes
-    ----------
-    q : float or None
-        Dynamic pressure; None where there is none. [Pa]
-    V : float or None
-        True airspeed. [m/s]
-    """
-
-    q: float | None
-    V: float | None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,13 +85,14 @@ def divergence(model: AeroelasticModel, condition: FlightCondition) -> StaticSpe
     >>> divergence(AeroelasticModel(modes=one, aero=air), FlightCondition(V=1.0, rho=1.0))
     StaticSpeed(q=8.0, V=4.0)
     """
+    model = model.statics or model
     fixed, K = elastic_stiffness(model)
 
     def lowest(mach: float) -> float | None:
         Q0 = model.aero(0.0, mach).real[np.ix_(fixed, fixed)]
-        return _lowest_pressure(K, Q0)
+        return within_limit(lowest_pressure(K, Q0), model)
 
-    return _at_own_mach(lowest, model, condition)
+    return at_own_mach(lowest, model, condition)
 
 
 def elastic_stiffness(model: AeroelasticModel) -> tuple[Array, Array]:
@@ -169,9 +155,10 @@ def static(model: AeroelasticModel, sweep: FlightCondition) -> StaticResult:
     >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",))
     >>> inputs = (AeroInput(name="pitch", kind="mode"), AeroInput(name="incidence", kind="steady"))
     >>> air = SampledAero(k=[0.0], Q=[[[[0.5, 0.5]]]], b=1.0, inputs=inputs)
-    >>> static(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[2.0], rho=1.0)).twist.round(6).tolist()
-    [0.333333]
+    >>> static(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[2.0], rho=1.0)).divergence
+    StaticSpeed(q=8.0, V=4.0)
     """
+    model = model.statics or model
     diverges = divergence(model, sweep[0])
     quantity, reverses = reversal(model, sweep[0])
     stable = np.ones(sweep.V.shape, bool) if diverges.V is None else sweep.V < diverges.V * (1.0 - 1e-12)
@@ -251,6 +238,7 @@ def reversal(
     >>> reversal(AeroelasticModel(modes=one, aero=air, loads=loads), FlightCondition(V=1.0, rho=1.0))[1].q
     4.0
     """
+    model = model.statics or model
     column = _control_column(model, control)
     if model.loads is None or column is None:
         return None, StaticSpeed(q=None, V=None)
@@ -263,9 +251,9 @@ def reversal(
         air = np.block([[Q0[np.ix_(index, index)], Q0[index, column][:, None]], [np.zeros((1, len(index) + 1))]])
         if row[column] == 0.0:
             return None
-        return _lowest_pressure(stiffness, air)
+        return within_limit(lowest_pressure(stiffness, air), model)
 
-    return quantity, _at_own_mach(lowest, model, condition)
+    return quantity, at_own_mach(lowest, model, condition)
 
 
 class _Elastic:
@@ -327,20 +315,29 @@ class _Elastic:
         return self.load(row, column) / row[column]
 
     def trim(self) -> tuple[Array | None, Array | None]:
-        """Incidence at which lift carries the weight, and the elastic twist there."""
+        """Incidence at which lift carries the weight, and the elastic twist there, under air forces and weight."""
         column, built_in = self.model.column("incidence"), self.model.column("camber")
         if column is None or self.model.loads is None or self.model.mass is None:
             return None, None
         row, shape = self.model.loads.row("lift"), _twist_shape(self.model)
-        wanted = self.model.mass * GRAVITY / self.sweep.q
-        steady = self.load(row, built_in) if built_in is not None else 0.0
-        incidence = (wanted - steady) / self.load(row, column)
+        sagging = self.sagging()
+        steady = sagging @ row[self.index] + (self.load(row, built_in) if built_in is not None else 0.0)
+        incidence = (self.model.mass * GRAVITY / self.sweep.q - steady) / self.load(row, column)
         if shape is None:
             return incidence, None
-        coordinates = incidence[:, None] * self.modes(column)
+        coordinates = incidence[:, None] * self.modes(column) + sagging
         if built_in is not None:
             coordinates = coordinates + self.modes(built_in)
         return incidence, coordinates @ shape[self.index]
+
+    def sagging(self) -> Array:
+        """Elastic coordinates under the wing's own weight, shape (n_V, m); zero where it is not known."""
+        weight = self.model.loads.weight if self.model.loads is not None else np.zeros(0)
+        if not weight.size:
+            return np.zeros(self.matrix.shape[:2])
+        return np.linalg.solve(self.matrix, np.broadcast_to(weight[self.index][:, None], (*self.matrix.shape[:2], 1)))[
+            ..., 0
+        ]
 
 
 def _twist_shape(model: AeroelasticModel) -> Array | None:
@@ -361,39 +358,3 @@ def _control_column(model: AeroelasticModel, name: str | None) -> int | None:
         known = [model.aero.inputs[j].name for j in controls]
         raise ValueError(f"the model has no control {name!r}; its controls are {known}")
     return found
-
-
-def _lowest_pressure(K: Array, Q0: Array) -> float | None:
-    """Smallest positive real q with det(K - q Q0) = 0, from the eigenvalues 1/q of K^-1 Q0."""
-    if not K.size:
-        return None
-    inverse = np.linalg.eigvals(np.linalg.solve(K, Q0))
-    size = np.abs(inverse).max(initial=0.0)
-    real = inverse.real[(np.abs(inverse.imag) <= 1e-9 * size) & (inverse.real > 1e-12 * size)]
-    return float(1.0 / real.max()) if real.size else None
-
-
-def _at_own_mach(lowest: Any, model: AeroelasticModel, condition: FlightCondition) -> StaticSpeed:
-    """Solve q = lowest(Mach of the speed that goes with q) from below; one step where Q has one Mach number."""
-    rho, a_sound = float(condition.rho), float(condition.a_sound)
-    if rho == 0.0:
-        return StaticSpeed(q=None, V=None)
-    mach = model.aero.mach
-    if len(mach) == 1:
-        q = lowest(float(mach[0]))
-        return StaticSpeed(q=q, V=None if q is None else float(np.sqrt(2.0 * q / rho)))
-    from scipy.optimize import brentq
-
-    def excess(V: float) -> float:
-        q = lowest(V / a_sound)
-        return (np.inf if q is None else q) - 0.5 * rho * V * V
-
-    grid = np.linspace(1e-3 * a_sound, 1.05 * mach[-1] * a_sound, 400)
-    values = np.array([excess(V) for V in grid])
-    below = np.flatnonzero(values <= 0.0)
-    if below.size == 0:
-        q = lowest(float(mach[-1]))
-        return StaticSpeed(q=q, V=None if q is None else float(np.sqrt(2.0 * q / rho)))
-    j = int(below[0])
-    V = grid[0] if j == 0 else brentq(lambda v: np.clip(excess(v), -1e30, 1e30), grid[j - 1], grid[j], xtol=1e-12)
-    return StaticSpeed(q=0.5 * rho * V * V, V=float(V))

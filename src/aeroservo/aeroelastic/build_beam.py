@@ -1,0 +1,250 @@
+"""Beam wings of model files: modes, strips along them, and a richer basis for statics.
+
+Dynamics need few modes (the p-k method's cost grows with their cube), static deflections many: next to the critical
+sweep, where two divergence pressures meet, ten modes miss the divergence pressure by 1e-4 and forty by less than 1e-5.
+So the model carries a second one, root clamped, for static analyses.
+
+Above a certain dynamic pressure the static shapes of swept wings wind along the span more than once. Exact solutions
+of the swept beam with strip theory have further divergence pressures there (27 times that of the unswept wing and
+more, just past the critical aft sweep; thousands of times further aft). Neither strip theory nor the modes mean
+anything at such wave lengths, and the literature calls these wings free of divergence: `static_limit` is where the
+search ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from aeroservo.aero.strip import QuasiSteady, Strips, Theory, strip_aero, strip_shapes
+from aeroservo.aircraft.schema_beam import BeamWing
+from aeroservo.datatypes import AeroelasticModel, Array, ModalModel
+from aeroservo.structure.beam import BeamMass, BeamModes, SlenderBeam, beam_modes
+from aeroservo.structure.beam_axis import gauss_points
+
+BEAM_MODES = 8
+"""Elastic modes kept of a beam wing for dynamics: flutter speeds of ordinary wings to 1e-5."""
+
+STATIC_MODES = 40
+"""Modes kept of a beam wing for statics."""
+
+STRIP_POINTS = 48
+"""Strips of a beam wing, at least; Gauss points between stations and ends of the elevon."""
+
+TORSION_WAVES, BENDING_WAVES = 7.5, 6.0
+"""Phase of static shapes along the span at which the search for divergence ends; first divergence is at 1.57 (unswept)
+and 1.85 (swept forward, no eccentricity), the next ones that no sweep merges away at 7.85. [rad]"""
+
+GRAVITY = 9.80665
+"""Standard gravity. [m/s^2]"""
+
+
+def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
+    """Beam modes at Gauss points between stations, ends of the elevon and equal parts of the span.
+
+    Parameters
+    ----------
+    model : BeamWing
+        The file; its damping is not applied here.
+    theory : QuasiSteady, Indicial or Theodorsen
+        Section theory.
+
+    Returns
+    -------
+    model : AeroelasticModel
+        With `statics`: the clamped wing on `STATIC_MODES` modes. [SI]
+
+    Raises
+    ------
+    ValueError
+        As `SlenderBeam`.
+
+    References
+    ----------
+    equations.md, "One equation of motion", "Static aeroelasticity" [7.6-7.21]; contract.md, kind "beam_wing".
+
+    Examples
+    --------
+    >>> from aeroservo.aircraft.files import read
+    >>> wing = beam_model(read("goland"), QuasiSteady())
+    >>> wing.modes.n, wing.statics.modes.n
+    (8, 40)
+    """
+    beam = slender_beam(model)
+    s, width = _strip_points(model, beam)
+    strips = _strips(model, beam, s, width)
+    points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
+    rigid = {"clamped": 0, "free": 2 if beam.symmetry == "symmetric" else 1}[beam.root]
+    mass = float(np.trapezoid(beam.mass, beam.y)) + sum(lump.mass for lump in beam.masses)
+    limit = static_limit(beam, strips, s)
+
+    def coupled(found: BeamModes, section: Theory, statics: AeroelasticModel | None) -> AeroelasticModel:
+        modes = _modal(found)
+        aero, loads = strip_aero(strips, strip_shapes(modes, strips.sweep), modes.names, section)
+        loads = replace(loads, weight=_weight(beam, found, s, width), limit=limit)
+        return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
+
+    clamped = replace(beam, root="clamped", symmetry="symmetric")
+    many = beam_modes(clamped, n=STATIC_MODES, points=points, elements=STATIC_MODES // 2)
+    statics = coupled(many, QuasiSteady(damped=False), None)
+    return coupled(beam_modes(beam, n=BEAM_MODES + rigid, points=points), theory, statics)
+
+
+def slender_beam(model: BeamWing) -> SlenderBeam:
+    """The beam of a `beam_wing` file.
+
+    Parameters
+    ----------
+    model : BeamWing
+        The file. Lump inertias are about their own centre of gravity.
+
+    Returns
+    -------
+    beam : SlenderBeam
+        Origin of its axes at the root leading edge. [SI]
+
+    Raises
+    ------
+    ValueError
+        As `SlenderBeam`.
+
+    References
+    ----------
+    contract.md, kind "beam_wing".
+
+    Examples
+    --------
+    >>> from aeroservo.aircraft.files import read
+    >>> slender_beam(read("goland")).length
+    6.096
+    """
+    w, stations = model.wing, model.wing.station
+
+    def each(field: str) -> list[float]:
+        return [getattr(station, field) for station in stations]
+
+    sweep = [w.sweep_deg if station.sweep_deg is None else station.sweep_deg for station in stations]
+    return SlenderBeam(
+        y=each("y_m"),  # type: ignore[arg-type]
+        mass=each("mass_kg_per_m"),  # type: ignore[arg-type]
+        inertia=each("inertia_kg_m"),  # type: ignore[arg-type]
+        EI=each("EI_N_m2"),  # type: ignore[arg-type]
+        GJ=each("GJ_N_m2"),  # type: ignore[arg-type]
+        cg_offset=np.array([(s.cg_axis - s.flexural_axis) * s.chord_m for s in stations]),
+        coupling=each("coupling_N_m2"),  # type: ignore[arg-type]
+        sweep=np.deg2rad(sweep),
+        masses=tuple(BeamMass(y=m.y_m, mass=m.mass_kg, x=m.x_m, inertia=m.inertia_kg_m2) for m in w.mass),
+        root=w.root,
+        symmetry=w.symmetry,
+        origin=np.array([stations[0].flexural_axis * stations[0].chord_m, 0.0, 0.0]),
+    )
+
+
+def static_limit(beam: SlenderBeam, strips: Strips, s: Array) -> float:
+    """Dynamic pressure at which static shapes wind along the span too often for modes and strip theory.
+
+    In twist they go as sin of the integral of sqrt(q cos^2(Lambda) c^2 e a / GJ) along the axis, in bending as the
+    cube root of q cos^2(Lambda) c a tan(Lambda) / EI.
+
+    Parameters
+    ----------
+    beam : SlenderBeam
+        The wing.
+    strips : Strips
+        Its strips.
+    s : ndarray, shape (n_strips,)
+        Their places along the axis. [m]
+
+    Returns
+    -------
+    q : float
+        Dynamic pressure; infinite without lift. [Pa]
+
+    References
+    ----------
+    Diederich & Budiansky, NACA TN 1680, 1948, section "Divergence of a uniform wing" (the third-order equation for the
+    angle of attack); equations.md, "Static aeroelasticity" [7.9-7.11].
+
+    Examples
+    --------
+    >>> from aeroservo.aircraft.files import read
+    >>> wing = read("goland")
+    >>> round(beam_model(wing, QuasiSteady()).loads.limit / 39005.75, 1)  # 22.8 times divergence
+    22.8
+    """
+    chord, sweep = 2.0 * strips.b, strips.sweep
+    per_length = np.cos(sweep) ** 2 * chord * strips.lift_slope
+    EI, GJ, K = beam.at("EI", s), beam.at("GJ", s), beam.at("coupling", s)
+    margin = EI * GJ - K**2
+    twist = strips.width @ np.sqrt(per_length * chord * np.maximum(strips.eccentricity, 0.0) * EI / margin)
+    bend = strips.width @ np.cbrt(per_length * np.abs(np.tan(sweep)) * GJ / margin)
+    limits = [(TORSION_WAVES / twist) ** 2 if twist > 0.0 else np.inf, (BENDING_WAVES / bend) ** 3 if bend else np.inf]
+    return float(min(limits))
+
+
+def _strip_points(model: BeamWing, beam: SlenderBeam) -> tuple[Array, Array]:
+    """Places of the strips along the axis and the length each stands for."""
+    elevon = model.wing.elevon
+    breaks = np.unique(np.concatenate([beam.y, [elevon.from_y_m, elevon.to_y_m] if elevon else []]))
+    parts = np.maximum(1, np.round(STRIP_POINTS / 6 * np.diff(breaks) / beam.length)).astype(int)
+    nodes = np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
+    return gauss_points(nodes, 6)
+
+
+def _strips(model: BeamWing, beam: SlenderBeam, s: Array, width: Array) -> Strips:
+    """Sections of the file at the strips."""
+    elevon = model.wing.elevon
+
+    def along(field: str) -> Array:
+        return np.interp(s, beam.y, [getattr(station, field) for station in model.wing.station])
+
+    axis = along("flexural_axis")
+    on_elevon = (s > elevon.from_y_m) & (s < elevon.to_y_m) if elevon else np.zeros(len(s), dtype=bool)
+    return Strips(
+        y=beam.position(s)[:, 1] - beam.origin[1],
+        width=width,
+        b=0.5 * along("chord_m"),
+        a=2.0 * axis - 1.0,
+        eccentricity=axis - 0.25,
+        lift_slope=np.full(len(s), _finite_span_slope(model, beam)),
+        moment_rate=np.full(len(s), -1.2),
+        sweep=beam.at("sweep", s),
+        elevon_lift=on_elevon * (elevon.lift_per_rad if elevon else 0.0),
+        elevon_moment=on_elevon * (elevon.moment_per_rad if elevon else 0.0),
+        incidence=np.deg2rad(along("incidence_deg")),
+        cm0=along("cm0"),
+        span=float(beam.position(beam.y[-1])[1] - beam.origin[1]),
+    )
+
+
+def _modal(found: BeamModes) -> ModalModel:
+    """The modes without damping."""
+    return ModalModel(M=found.M, D=np.zeros_like(found.M), K=found.K, names=found.names, phi=found.phi, grid=found.grid)
+
+
+def _weight(beam: SlenderBeam, found: BeamModes, s: Array, width: Array) -> Array:
+    """Work of gravity per unit of each mode: m g (h + d theta), h down, d aft; lumps are the last points."""
+    n = len(s)
+    m = beam.at("mass", s) * width
+    d = beam.at("cg_offset", s)
+    force = m @ found.h[:n] + (m * d) @ found.twist[:n]
+    for j, lump in enumerate(beam.masses):
+        force = force + lump.mass * (found.h[n + 1 + j] + lump.x * found.twist[n + 1 + j])
+    return np.asarray(GRAVITY * force)
+
+
+def _finite_span_slope(model: BeamWing, beam: SlenderBeam) -> float:
+    """Section lift slope, corrected for a finite span where the file asks for it."""
+    from aeroservo.aero.finite_span import helmbold_slope, polhamus_slope
+
+    w = model.wing
+    if w.lift_slope_correction == "none":
+        return w.lift_slope_per_rad
+    chords = [station.chord_m for station in w.station]
+    tip = beam.position(beam.y[-1])
+    aspect_ratio = 2.0 * float(tip[1]) ** 2 / (float(np.trapezoid(chords, beam.y)) * float(tip[1]) / beam.length)
+    if w.lift_slope_correction == "helmbold":
+        return float(helmbold_slope(aspect_ratio, w.lift_slope_per_rad))
+    mean_sweep = float(np.arctan2(tip[0] - beam.origin[0], tip[1]))
+    return float(polhamus_slope(aspect_ratio, mean_sweep, w.lift_slope_per_rad))
