@@ -1,15 +1,31 @@
-"""Figures of flutter, statics and modes: functions from a result to matplotlib axes, without a screen.
+"""Figures of flutter, statics and modes: a result goes in, a matplotlib figure comes out.
 
 Damping is drawn as the damping ratio zeta = -Re(lambda)/|lambda|, positive stable; a second scale holds the thesis'
-100 Re(lambda)/|lambda| in per cent, positive unstable, and each scale says which it is.
+100 Re(lambda)/|lambda| in per cent, positive flutter, and each scale says which it is.
 """
 
 from __future__ import annotations
 
-from io import BytesIO
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from aeroservo.report.style import (
+    UNSTABLE,
+    as_bytes,
+    finite,
+    literal,
+    mark_mach_limit,
+    mark_speeds,
+    new_figure,
+    nothing_to_show,
+    shade_unstable,
+    shared_legend,
+    speed_axis,
+    style,
+    write_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +36,41 @@ if TYPE_CHECKING:
     from aeroservo.datatypes import ModalModel
     from aeroservo.structure.modal import NaturalModes
 
-_GREY = "0.6"
+__all__ = [
+    "as_bytes",
+    "flutter_figure",
+    "modes_figure",
+    "plot_damping",
+    "plot_flutter",
+    "plot_frequency",
+    "plot_modes",
+    "plot_root_locus",
+    "plot_static",
+    "static_figure",
+    "write_figure",
+]
+
+
+MOST_BRANCHES = 5
+"""Branches drawn where there are more: the lowest, and every one that becomes unstable."""
+
+
+def shown_branches(result: FlutterResult) -> list[int]:
+    """Branches that a figure shows: the lowest in frequency, and every one that is ever unstable.
+
+    Parameters
+    ----------
+    result : FlutterResult
+        Of `aeroservo.flutter`.
+
+    Returns
+    -------
+    index : list of int
+        Ascending. [-]
+    """
+    growth = np.where(np.isfinite(result.roots), result.roots.real, -np.inf)
+    unstable = np.any(growth > 1e-9 * np.abs(np.where(np.isfinite(result.roots), result.roots, 0.0)), axis=0)
+    return [j for j in range(len(result.names)) if j < MOST_BRANCHES or unstable[j]]
 
 
 def plot_frequency(result: FlutterResult, ax: Axes) -> None:
@@ -33,10 +83,13 @@ def plot_frequency(result: FlutterResult, ax: Axes) -> None:
     ax : matplotlib Axes
         Drawn into.
     """
-    for j, name in enumerate(result.names):
-        ax.plot(result.speeds[:, j], result.frequency[:, j] / (2.0 * np.pi), label=_text(name))
-    _mark(result, ax)
-    _range(result, ax)
+    for j in shown_branches(result):
+        frequency = result.frequency[:, j] / (2.0 * np.pi)
+        ax.plot(result.speeds[:, j], frequency, label=literal(result.names[j]), **style(j))
+    _say_hidden(result, ax)
+    if not finite(result.frequency):
+        nothing_to_show(ax, "no mode has a root in this range")
+    _speeds(result, ax)
     ax.set_ylabel("frequency, Hz")
     ax.set_ylim(bottom=0.0)
 
@@ -51,19 +104,45 @@ def plot_damping(result: FlutterResult, ax: Axes) -> None:
     ax : matplotlib Axes
         Drawn into.
     """
-    for j, name in enumerate(result.names):
-        ax.plot(result.speeds[:, j], result.damping_ratio[:, j], label=_text(name))
+    for j in shown_branches(result):
+        ax.plot(result.speeds[:, j], result.damping_ratio[:, j], label=literal(result.names[j]), **style(j))
+    if not finite(result.damping_ratio):
+        nothing_to_show(ax, "no mode has a root in this range")
     ax.axhline(0.0, color="black", linewidth=0.8)
-    _mark(result, ax)
-    _range(result, ax)
-    ax.set_ylim(max(-1.05, ax.get_ylim()[0]), min(1.05, ax.get_ylim()[1]))
-    ax.set_ylabel(r"damping ratio $\zeta$ (positive: stable)")
+    _speeds(result, ax)
+    limits = _damping_limits(result)
+    ax.set_ylim(*limits)
+    _say_off_scale(result, ax, limits)
+    ax.set_ylabel(r"damping ratio $\zeta=-\mathrm{Re}\,\lambda/|\lambda|$ (positive: stable)")
     percent = ax.secondary_yaxis("right", functions=(_to_percent, _to_percent_back))
-    percent.set_ylabel(r"thesis: 100 Re $\lambda$/|$\lambda$|, % (positive: flutter)")
+    percent.set_ylabel(r"thesis: $+100\,\mathrm{Re}\,\lambda/|\lambda|$, % (positive: flutter)")
+
+
+def _say_off_scale(result: FlutterResult, ax: Axes, limits: tuple[float, float]) -> None:
+    """Name the branches that never swing: their damping ratio is 1 or -1 and may lie outside the panel."""
+    hidden = [
+        result.names[j]
+        for j in shown_branches(result)
+        if finite(zeta := result.damping_ratio[:, j]) and not np.any((zeta > limits[0]) & (zeta < limits[1]))
+    ]
+    if hidden:
+        ax.set_title(literal(f"off this scale, not oscillating: {', '.join(hidden)}"), fontsize="small")
+
+
+def _damping_limits(result: FlutterResult) -> tuple[float, float]:
+    """Room for every root that swings; a real root has zeta = 1 or -1 and leaves the panel."""
+    shown = shown_branches(result)
+    zeta, frequency = result.damping_ratio[:, shown], result.frequency[:, shown]
+    zeta = zeta[np.isfinite(zeta) & (frequency > 0.0)]
+    if not zeta.size:
+        return -1.05, 1.05
+    low, high = min(float(zeta.min()), -0.02), max(float(zeta.max()), 0.02)
+    room = 0.08 * (high - low)
+    return max(low - room, -1.05), min(high + room, 1.05)
 
 
 def plot_root_locus(result: FlutterResult, ax: Axes) -> None:
-    """Roots in the complex plane as the speed grows, from open circle to dot.
+    """Roots of the upper half plane as the speed grows, from open circle to dot, a cross where flutter begins.
 
     Parameters
     ----------
@@ -72,23 +151,87 @@ def plot_root_locus(result: FlutterResult, ax: Axes) -> None:
     ax : matplotlib Axes
         Drawn into.
     """
-    for j, name in enumerate(result.names):
+    for j in shown_branches(result):
         root = result.roots[:, j]
-        (line,) = ax.plot(root.real, root.imag, linewidth=1.0, label=_text(name))
+        ax.plot(*_locus(root), label=literal(result.names[j]), **style(j))
         ends = np.flatnonzero(np.isfinite(root))
         if ends.size:
+            colour = style(j)["color"]
             first, last = root[ends[0]], root[ends[-1]]
-            ax.plot(first.real, first.imag, "o", color=line.get_color(), fillstyle="none")
-            ax.plot(last.real, last.imag, "o", color=line.get_color(), markersize=4)
+            ax.plot(first.real, abs(first.imag), "o", color=colour, fillstyle="none", markersize=6)
+            ax.plot(last.real, abs(last.imag), "o", color=colour, markersize=4)
+    if not finite(result.roots):
+        nothing_to_show(ax, "no mode has a root in this range")
     ax.axvline(0.0, color="black", linewidth=0.8)
+    if result.flutter_speed is not None and result.flutter_frequency is not None:
+        ax.plot(0.0, result.flutter_frequency, "X", color=UNSTABLE, markersize=8, label="flutter begins", zorder=5)
+    _locus_limits(result, ax)
+    ax.set_ylim(bottom=-0.02 * ax.get_ylim()[1])
     ax.set_xlabel(r"Re $\lambda$, 1/s (positive: unstable)")
     ax.set_ylabel(r"Im $\lambda$, rad/s")
+    V = result.V
+    ax.set_title(f"from {V[0]:g} m/s (circle) to {V[-1]:g} m/s (dot)", fontsize="small")
+
+
+def _locus(root: Any) -> tuple[Any, Any]:
+    """A branch with a gap where a pair becomes real roots or the reverse: nothing lies on a line between the two."""
+    meets = np.flatnonzero(np.diff(np.abs(root.imag) > 0.0) & np.isfinite(root[1:] + root[:-1])) + 1
+    gapped = np.insert(root, meets, np.nan)
+    return gapped.real, np.abs(gapped.imag)
+
+
+def _locus_limits(result: FlutterResult, ax: Axes) -> None:
+    """Real roots that run far away are cut where the oscillations still show."""
+    shown = shown_branches(result)
+    roots, frequency = result.roots[:, shown], result.frequency[:, shown]
+    swinging = roots[np.isfinite(roots) & (frequency > 0.0)]
+    if swinging.size:
+        low, high = min(float(swinging.real.min()), 0.0), max(float(swinging.real.max()), 0.0)
+        room = 0.12 * max(high - low, 1e-3)
+        ax.set_xlim(low - room, high + room)
+
+
+def plot_flutter(result: FlutterResult, axes: Sequence[Axes] | None = None, *, title: str = "") -> Figure:
+    """Frequency and damping against speed, and the root locus.
+
+    Unstable speeds are shaded; flutter and divergence speeds are marked; a dashed line stands at Mach 0.3 where the
+    theory has no Mach number. Damping away from the boundary is each method's own: the k method's is -g/2 of its
+    artificial damping.
+
+    Parameters
+    ----------
+    result : FlutterResult
+        Of `aeroservo.flutter`.
+    axes : sequence of matplotlib Axes, optional
+        Two (frequency, damping) or three (root locus too) to draw into; default a new figure of three.
+    title : str
+        Above a new figure.
+
+    Returns
+    -------
+    figure : matplotlib Figure
+        That of the axes.
+
+    Raises
+    ------
+    ValueError
+        If neither two nor three axes are given.
+    """
+    if axes is not None and len(axes) not in (2, 3):
+        raise ValueError(f"axes must be two or three, got {len(axes)}")
+    figure = new_figure(title, 1, 3, width=4.7, height=4.0) if axes is None else None
+    panels: Any = figure.axes if figure is not None else axes
+    for panel, draw in zip(panels, (plot_frequency, plot_damping, plot_root_locus)):
+        draw(result, panel)
+    if figure is not None:
+        shared_legend(figure)
+        return figure
+    whole: Figure = panels[0].figure
+    return whole
 
 
 def flutter_figure(result: FlutterResult, title: str) -> Figure:
-    """Frequency and damping against speed, and the root locus.
-
-    Damping away from the boundary is each method's own: the k method's is -g/2 of its artificial damping.
+    """`plot_flutter` in a new figure.
 
     Parameters
     ----------
@@ -100,19 +243,75 @@ def flutter_figure(result: FlutterResult, title: str) -> Figure:
     Returns
     -------
     figure : matplotlib Figure
-        For `as_bytes`.
+        For `as_bytes` or `write_figure`.
     """
-    figure = _figure(title, 3)
-    axes: Any = figure.axes
-    plot_frequency(result, axes[0])
-    plot_damping(result, axes[1])
-    plot_root_locus(result, axes[2])
-    axes[0].legend(loc="best", fontsize="small")
-    return figure
+    return plot_flutter(result, title=title)
 
 
-def static_figure(result: StaticResult, title: str) -> Figure:
-    """Control effectiveness, twist and lift slope against speed.
+def plot_static(
+    result: StaticResult, axes: Sequence[Axes] | None = None, *, title: str = "", a_sound: float | None = None
+) -> Figure:
+    """Twist, control effectiveness and lift slope against speed.
+
+    Parameters
+    ----------
+    result : StaticResult
+        Of `aeroservo.static`.
+    axes : sequence of matplotlib Axes, optional
+        Three to draw into; default a new figure.
+    title : str
+        Above a new figure.
+    a_sound : float, optional
+        Speed of sound, for the line at Mach 0.3. [m/s]
+
+    Returns
+    -------
+    figure : matplotlib Figure
+        That of the axes.
+
+    Raises
+    ------
+    ValueError
+        If not three axes are given.
+    """
+    if axes is not None and len(axes) != 3:
+        raise ValueError(f"axes must be three, got {len(axes)}")
+    figure = new_figure(title, 1, 3, height=3.8) if axes is None else None
+    panels: Any = figure.axes if figure is not None else axes
+    quantity = result.reversal_quantity or "control"
+    per = "steady roll rate" if quantity == "roll" else "lift"
+    curves = (
+        (result.twist, "tip twist per root incidence, rad/rad", "no twist", 5.0),
+        (result.effectiveness, f"{per} per elevon angle, elastic/rigid", "no control surface", 2.0),
+        (result.lift_slope_ratio, "lift slope, elastic/rigid", "no lift", 6.0),
+    )
+    for j, (panel, (values, label, lacks, room)) in enumerate(zip(panels, curves)):
+        panel.set_ylabel(label)
+        speed_axis(panel, result.V)
+        if not finite(values):
+            past = result.divergence.V is not None and result.divergence.V <= result.V[0]
+            nothing_to_show(panel, "every speed is past divergence" if past else f"this model has {lacks}")
+            continue
+        panel.plot(result.V, values, **style(j))
+        _cut(panel, values, room)
+        panel.axhline(0.0, color="black", linewidth=0.8)
+        marks = [("divergence", result.divergence.V), (f"reversal of {quantity}", result.reversal.V)]
+        mark_speeds(panel, result.V, marks)
+        if result.divergence.V is not None and result.V[-1] > result.divergence.V:
+            start = max(float(result.V[0]), result.divergence.V)
+            panel.axvspan(
+                start, float(result.V[-1]), facecolor="0.9", zorder=0, label="past divergence: no equilibrium"
+            )
+        mark_mach_limit(panel, result.V, a_sound)
+    if figure is not None:
+        shared_legend(figure)
+        return figure
+    whole: Figure = panels[0].figure
+    return whole
+
+
+def static_figure(result: StaticResult, title: str, *, a_sound: float | None = None) -> Figure:
+    """`plot_static` in a new figure.
 
     Parameters
     ----------
@@ -120,32 +319,18 @@ def static_figure(result: StaticResult, title: str) -> Figure:
         Of `aeroservo.static`.
     title : str
         Above the figure.
+    a_sound : float, optional
+        Speed of sound, for the line at Mach 0.3. [m/s]
 
     Returns
     -------
     figure : matplotlib Figure
-        For `as_bytes`.
+        For `as_bytes` or `write_figure`.
     """
-    figure = _figure(title, 2)
-    axes: Any = figure.axes
-    quantity = result.reversal_quantity or "no load"
-    axes[0].plot(result.V, result.effectiveness, label=f"{quantity} per elevon, elastic/rigid")
-    axes[0].plot(result.V, result.lift_slope_ratio, label="lift slope, elastic/rigid")
-    axes[0].axhline(0.0, color="black", linewidth=0.8)
-    axes[0].set_ylabel("ratio, elastic to rigid")
-    axes[1].plot(result.V, result.twist, label="tip twist per radian of incidence")
-    axes[1].set_ylabel("elastic twist per incidence, rad/rad")
-    for ax in axes:
-        _limit(ax)
-        for speed, words in ((result.divergence.V, "divergence"), (result.reversal.V, "reversal")):
-            if speed is not None and result.V[0] <= speed <= result.V[-1]:
-                ax.axvline(speed, color=_GREY, linestyle="--" if words == "divergence" else ":", label=words)
-        ax.set_xlabel("true airspeed, m/s")
-        ax.legend(loc="best", fontsize="small")
-    return figure
+    return plot_static(result, title=title, a_sound=a_sound)
 
 
-def modes_figure(modes: ModalModel, natural: NaturalModes, title: str, *, most: int = 5) -> Figure:
+def plot_modes(modes: ModalModel, natural: NaturalModes, *, title: str = "", most: int = 5) -> Figure:
     """Deflection and twist along the span of each natural mode; bars of the coordinates where there is no span.
 
     Parameters
@@ -162,77 +347,98 @@ def modes_figure(modes: ModalModel, natural: NaturalModes, title: str, *, most: 
     Returns
     -------
     figure : matplotlib Figure
-        For `as_bytes`.
+        For `as_bytes` or `write_figure`.
     """
     shown = min(most, len(natural.omega))
-    labels = [f"{natural.names[j]}, {natural.omega[j] / (2.0 * np.pi):.4g} Hz" for j in range(shown)]
+    labels = [f"{literal(natural.names[j])}, {natural.omega[j] / (2.0 * np.pi):.4g} Hz" for j in range(shown)]
     phi, grid = np.asarray(modes.phi), np.asarray(modes.grid)
     if len(grid) < 3:
-        figure = _figure(title, 1)
-        ax: Any = figure.axes[0]
-        places = np.arange(modes.n)
-        for j in range(shown):
-            ax.bar(places + 0.8 * j / shown - 0.4, natural.shapes[:, j], 0.8 / shown, align="edge", label=labels[j])
-        ax.set_xticks(places, [_text(name) for name in modes.names])
-        ax.set_ylabel("part of each coordinate, largest 1")
-        ax.legend(loc="best", fontsize="small")
-        return figure
-    figure = _figure(title, 2)
+        return _mode_bars(modes, natural, labels, title)
+    figure = new_figure(title, 1, 2, width=5.2)
     axes: Any = figure.axes
     order = np.argsort(grid[:, 1], kind="stable")
     shapes = phi[order] @ natural.shapes[:, :shown]
+    y = grid[order, 1]
+    wide = float(np.ptp(y)) or 1.0
     for j in range(shown):
-        largest = np.abs(shapes[:, [2], j]).max() or 1.0
-        axes[0].plot(grid[order, 1], shapes[:, 2, j] / largest, label=_text(labels[j]))
-        axes[1].plot(grid[order, 1], shapes[:, 4, j] / largest, label=_text(labels[j]))
-    axes[0].set_ylabel("deflection up, largest 1")
-    axes[1].set_ylabel("twist nose up per deflection, rad/m")
+        deflection, twist = shapes[:, 2, j], shapes[:, 4, j]
+        largest = max(np.abs(deflection).max(), 0.25 * wide * np.abs(twist).max()) or 1.0
+        sign = np.sign(deflection[-1] if abs(deflection[-1]) > 1e-6 * largest else twist[-1]) or 1.0
+        for ax, part in zip(axes, (deflection, twist)):
+            ax.plot(y, sign * part / largest, label=labels[j], marker="." if len(y) < 16 else "", **style(j))
+    axes[0].set_ylabel("deflection up, m per m")
+    axes[1].set_ylabel("twist nose up, rad per m")
     for ax in axes:
         ax.axhline(0.0, color="black", linewidth=0.8)
-        ax.set_xlabel("y, m")
-    axes[0].legend(loc="best", fontsize="small")
+        ax.set_xlabel("spanwise position y, m")
+    shared_legend(figure)
     return figure
 
 
-def as_bytes(figure: Figure, ending: str) -> bytes:
-    """A figure as the content of a file; the same figure gives the same bytes.
+def _mode_bars(modes: ModalModel, natural: NaturalModes, labels: Sequence[str], title: str) -> Figure:
+    """Part of each coordinate in each mode."""
+    figure = new_figure(title, 1, 1, width=6.0)
+    ax: Any = figure.axes[0]
+    places, shown = np.arange(modes.n), len(labels)
+    for j, label in enumerate(labels):
+        ax.bar(
+            places + 0.8 * j / shown - 0.4, natural.shapes[:, j], 0.8 / shown, align="edge", label=label,
+            color=style(j)["color"],
+        )  # fmt: skip
+    units = getattr(modes, "units", None) or ("",) * modes.n
+    ax.set_xticks(places, [literal(f"{name} [{unit}]" if unit else name) for name, unit in zip(modes.names, units)])
+    ax.set_ylabel("part of each coordinate, largest 1")
+    ax.axhline(0.0, color="black", linewidth=0.8)
+    shared_legend(figure)
+    return figure
+
+
+def modes_figure(modes: ModalModel, natural: NaturalModes, title: str, *, most: int = 5) -> Figure:
+    """`plot_modes` with its title first.
 
     Parameters
     ----------
-    figure : matplotlib Figure
-        Any.
-    ending : str
-        ".png" or ".pdf".
+    modes : ModalModel
+        The structure.
+    natural : NaturalModes
+        Of `aeroservo.natural_modes`.
+    title : str
+        Above the figure.
+    most : int
+        Modes shown.
 
     Returns
     -------
-    content : bytes
-        To be written whole.
-
-    Raises
-    ------
-    ValueError
-        For another ending.
+    figure : matplotlib Figure
+        For `as_bytes` or `write_figure`.
     """
-    kind = ending.lower().lstrip(".")
-    if kind not in ("png", "pdf"):
-        raise ValueError(f"figures end in .png or .pdf, got {ending!r}")
-    file = BytesIO()
-    metadata: dict[str, Any] = {"CreationDate": None} if kind == "pdf" else {"Software": None}
-    figure.savefig(file, format=kind, dpi=150, metadata=metadata)
-    return file.getvalue()
+    return plot_modes(modes, natural, title=title, most=most)
 
 
-def _figure(title: str, panels: int) -> Figure:
-    """A figure with panels side by side."""
-    from matplotlib.figure import Figure as NewFigure
+def _speeds(result: FlutterResult, ax: Any) -> None:
+    """What every panel over speed has in common."""
+    shade_unstable(ax, result)
+    marks = [("flutter", result.flutter_speed), ("divergence (static)", result.divergence_speed)]
+    mark_speeds(ax, result.V, marks)
+    incompressible = any("Mach 0.3" in note for note in result.warnings)
+    mark_mach_limit(ax, result.V, float(result.condition.a_sound[0]) if incompressible else None)
+    speed_axis(ax, result.V)
 
-    figure = NewFigure(figsize=(4.6 * panels, 4.2), layout="constrained")
-    figure.subplots(1, panels)
-    figure.suptitle(_text(title), fontsize="medium")
-    for ax in figure.axes:
-        ax.grid(visible=True, linewidth=0.3)
-    return figure
+
+def _say_hidden(result: FlutterResult, ax: Any) -> None:
+    """Say how many modes are left out."""
+    hidden = len(result.names) - len(shown_branches(result))
+    if hidden:
+        text = f"{hidden} higher mode{'s' if hidden > 1 else ''}, stable throughout, not drawn"
+        ax.set_title(text, fontsize="small")
+
+
+def _cut(ax: Any, values: Any, room: float) -> None:
+    """Curves that run to infinity at divergence are cut at plus and minus `room`."""
+    low, high = min(0.0, float(np.nanmin(values))), max(0.0, float(np.nanmax(values)))
+    low, high = max(low, -room), min(high, room)
+    spare = 0.05 * max(high - low, 1e-12)
+    ax.set_ylim(low - spare, high + spare)
 
 
 def _to_percent(zeta: Any) -> Any:
@@ -243,30 +449,3 @@ def _to_percent(zeta: Any) -> Any:
 def _to_percent_back(percent: Any) -> Any:
     """Damping ratio of the thesis' per cent."""
     return -0.01 * percent
-
-
-def _mark(result: FlutterResult, ax: Any) -> None:
-    """Flutter and divergence speeds as upright lines, named once."""
-    for speed, style, words in (
-        (result.flutter_speed, "-.", "flutter"),
-        (result.divergence_speed, "--", "divergence (static)"),
-    ):
-        if speed is not None and result.V[0] <= speed <= result.V[-1]:
-            ax.axvline(speed, color=_GREY, linestyle=style, linewidth=1.0, label=words)
-
-
-def _range(result: FlutterResult, ax: Any) -> None:
-    """The speeds of the sweep, and no others, whatever speeds the k method's curves reach."""
-    ax.set_xlim(result.V[0], result.V[-1])
-    ax.set_xlabel("true airspeed, m/s")
-
-
-def _limit(ax: Any) -> None:
-    """Curves that run to infinity at divergence are cut where they leave what matters."""
-    low, high = ax.get_ylim()
-    ax.set_ylim(max(low, -3.0), min(high, 6.0))
-
-
-def _text(name: str) -> str:
-    """Text that matplotlib takes literally."""
-    return name.replace("\\", "\\\\").replace("$", r"\$") if "$" in name else name

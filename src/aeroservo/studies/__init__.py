@@ -1,1 +1,1 @@
-"""Studies: questions that take several analyses to answer."""
+"""Whole studies made of the analyses: published cases re-run, the thesis' tables."""

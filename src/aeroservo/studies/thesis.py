@@ -1,8 +1,8 @@
 """The thesis' Tables 2 and 3 again: flutter, divergence and reversal of its binary wing and whole aircraft.
 
 The printed numbers come from the package's case `thesis_tables`, the models from the presets `thesis-binary` and
-`thesis-aircraft`, whose parameters are inferred (SOURCE.md of the case says how). Every other number is computed here by
-the same public functions that users call. Nothing is adjusted to meet a printed number.
+`thesis-aircraft`, whose parameters are inferred (SOURCE.md of the case says how). Every other number is computed here
+by the same public functions that users call. Nothing is adjusted to meet a printed number.
 """
 
 from __future__ import annotations
@@ -277,7 +277,8 @@ def thesis_study(
     """
     speeds = np.arange(1.0, 131.0) if speeds is None else np.asarray(speeds, dtype=float)
     k = np.geomspace(1e-4, 2.0, 61) if k is None else np.asarray(k, dtype=float)
-    runs, held = [], []
+    runs: list[Run] = []
+    held: list[Held] = []
     for altitude in ALTITUDES:
         sweep = FlightCondition.at(altitude, V=speeds)
         for model in MODELS:

@@ -1,9 +1,9 @@
 """Flutter with oscillatory derivatives held at one reduced frequency, as the thesis does it [7.34-7.36].
 
-The thesis takes the derivatives L_h ... M_thetadot at one k, which makes B and C of [7.24] constant matrices, and calls the
-eigenvalues of that quasi-polynomial its unsteady result. It is true only where the flutter found has that same k; elsewhere
-the air remembers a motion that is not there. A free heave even gets a spring from the air, L_h(k), that has no
-right to exist at rest, and with it real roots that are no property of the aircraft.
+The thesis takes the derivatives L_h ... M_thetadot at one k, which makes B and C of [7.24] constant matrices, and
+calls the eigenvalues of that quasi-polynomial its unsteady result. It is true only where the flutter found has that
+same k; elsewhere the air remembers a motion that is not there. A free heave even gets a spring from the air, L_h(k),
+that has no right to exist at rest, and with it real roots that are no property of the aircraft.
 """
 
 from __future__ import annotations
@@ -151,10 +151,9 @@ def fixed_k_curve(model: AeroelasticModel, sweep: FlightCondition, k: Array) -> 
 
 def _first_crossing(model: AeroelasticModel, sweep: FlightCondition) -> tuple[float, float, bool]:
     """Speed and frequency of the first crossing of a pair, and whether a real root is unstable there."""
-    rho, a_sound = float(sweep.rho[0]), float(sweep.a_sound[0])
 
     def values(V: Array) -> Array:
-        return p_values(model, FlightCondition(V=V, rho=rho, a_sound=a_sound))
+        return p_values(model, FlightCondition(V=V, rho=sweep.rho[0], a_sound=sweep.a_sound[0]))
 
     def fastest_growth(roots: Array) -> Array:
         return np.where(roots.imag > 0.0, roots.real, -np.inf).max(axis=-1)
