@@ -17,7 +17,8 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np  # noqa: E402
 
 from aeroservo.aero.vlm import Lattice, VortexLattice, lattice, lattice_surface  # noqa: E402
-from aeroservo.aero.vlm_solve import Normalwash, solve_lattice  # noqa: E402
+from aeroservo.aero.vlm_normalwash import Normalwash  # noqa: E402
+from aeroservo.aero.vlm_solve import solve_lattice  # noqa: E402
 
 ROOT_CHORD, TIP_CHORD, HALF_SPAN, TIP_OFFSET = 0.7, 0.3, 1.0, 0.5245
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from aeroservo.aero.vlm import Hinge, VortexLattice, lattice, lattice_surface
-from aeroservo.aero.vlm_solve import control_normalwash, join_normalwash, rigid_normalwash, solve_lattice
+from aeroservo.aero.vlm_normalwash import control_normalwash, join_normalwash, rigid_normalwash
+from aeroservo.aero.vlm_solve import solve_lattice
 
 VLM = pytest.importorskip("panelaero.VLM", reason="PanelAero is not installed (extra: test)")
 

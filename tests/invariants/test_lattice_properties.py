@@ -9,14 +9,14 @@ from aeroservo.aero.coefficients import Reference
 from aeroservo.aero.trefftz import induced_drag
 from aeroservo.aero.vlm import Hinge, Lattice, VortexLattice, lattice, lattice_surface
 from aeroservo.aero.vlm_loads import lattice_derivatives, lattice_loads, span_loading
-from aeroservo.aero.vlm_solve import (
+from aeroservo.aero.vlm_normalwash import (
     Normalwash,
     control_normalwash,
     join_normalwash,
     rigid_normalwash,
     slope_normalwash,
-    solve_lattice,
 )
+from aeroservo.aero.vlm_solve import solve_lattice
 
 TWO_ROUTES = 1e-9  # relative to the largest value of its kind: two solves of differently arranged equations
 

@@ -10,7 +10,8 @@ from aeroservo.aero.coefficients import Reference
 from aeroservo.aero.trefftz import induced_drag, span_efficiency
 from aeroservo.aero.vlm import Hinge, VortexLattice, lattice, lattice_surface
 from aeroservo.aero.vlm_loads import hinge_moments, lattice_derivatives
-from aeroservo.aero.vlm_solve import control_normalwash, join_normalwash, rigid_normalwash, solve_lattice
+from aeroservo.aero.vlm_normalwash import control_normalwash, join_normalwash, rigid_normalwash
+from aeroservo.aero.vlm_solve import solve_lattice
 
 CASES = files("aeroservo") / "cases"
 SURFACES = json.loads((CASES / "lifting_surface" / "reference.json").read_text(encoding="utf-8"))

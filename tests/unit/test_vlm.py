@@ -9,16 +9,15 @@ from aeroservo.aero.trefftz import induced_drag, span_efficiency, trefftz_influe
 from aeroservo.aero.vlm import Hinge, LatticeSurface, VortexLattice, lattice, lattice_surface
 from aeroservo.aero.vlm_kernels import normal_influence, velocity_influence
 from aeroservo.aero.vlm_loads import hinge_moments, lattice_derivatives, lattice_loads, panel_forces, span_loading
-from aeroservo.aero.vlm_solve import (
+from aeroservo.aero.vlm_normalwash import (
     Normalwash,
     control_normalwash,
     join_normalwash,
     motion_normalwash,
-    normal_velocity,
     rigid_normalwash,
     slope_normalwash,
-    solve_lattice,
 )
+from aeroservo.aero.vlm_solve import normal_velocity, solve_lattice
 from aeroservo.aero.vlm_spacing import chord_edges, span_edges
 
 QUADRATURE = 1e-9  # Biot-Savart by adaptive integration

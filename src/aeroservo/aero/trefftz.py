@@ -46,7 +46,8 @@ def induced_drag(solution: LatticeSolution) -> InducedDrag:
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1])])
     >>> bool(induced_drag(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0]))).matrix[0, 0] > 0)
     True

@@ -125,7 +125,8 @@ def panel_forces(solution: LatticeSolution) -> tuple[np.ndarray, np.ndarray]:
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1])])
     >>> panel_forces(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0])))[0].shape
     (192, 5, 3)
@@ -163,7 +164,8 @@ def lattice_loads(solution: LatticeSolution, point: Sequence[float] | np.ndarray
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1])])
     >>> loads = lattice_loads(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0])), [0.25, 0, 0])
     >>> bool(loads.force[0, 2] > 0), bool(loads.moment[2, 0] > 0)
@@ -208,7 +210,8 @@ def lattice_derivatives(solution: LatticeSolution, reference: Reference) -> Latt
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> ref = Reference(S=20.0, c=1.0, b=20.0, point=(0.25, 0.0, 0.0))
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 10, 0]], [1, 1])])
     >>> d = lattice_derivatives(solve_lattice(grid, rigid_normalwash(grid, ref.point)), ref)
@@ -254,7 +257,8 @@ def span_loading(solution: LatticeSolution) -> SpanLoading:
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1])])
     >>> loading = span_loading(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0])))
     >>> bool(loading.cl[0, 0] > loading.cl[-1, 0])
@@ -301,7 +305,8 @@ def strip_circulation(solution: LatticeSolution) -> np.ndarray:
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1])])
     >>> strip_circulation(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0]))).shape
     (24, 5)
@@ -343,7 +348,8 @@ def hinge_moments(solution: LatticeSolution, surface: str, hinge: Hinge) -> tupl
     Examples
     --------
     >>> from aeroservo.aero.vlm import lattice, lattice_surface
-    >>> from aeroservo.aero.vlm_solve import rigid_normalwash, solve_lattice
+    >>> from aeroservo.aero.vlm_normalwash import rigid_normalwash
+    >>> from aeroservo.aero.vlm_solve import solve_lattice
     >>> flap = Hinge(span_from=0.5, span_to=1.0, chord_from=0.75, chord_to=0.75)
     >>> grid = lattice([lattice_surface("w", [[0, 0, 0], [0, 2, 0]], [1, 1], hinges=[flap])])
     >>> c, area, chord = hinge_moments(solve_lattice(grid, rigid_normalwash(grid, [0, 0, 0])), "w", flap)

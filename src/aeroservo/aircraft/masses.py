@@ -147,7 +147,8 @@ def planform_mass(surface: LiftingSurface, mass: float, *, name: str = "") -> Ma
     if mass == 0.0:
         return MassItem(name=name or surface.name, mass=0.0, position=weights @ points / weights.sum())
     total = mass_properties(items)
-    return MassItem(name=name or surface.name, mass=mass, position=total.cg, inertia=total.inertia)
+    centre = total.cg * [1.0, 0.0 if surface.mirrored else 1.0, 1.0]  # on the plane of symmetry, to the last digit
+    return MassItem(name=name or surface.name, mass=mass, position=centre, inertia=total.inertia)
 
 
 def _lamina(surface: LiftingSurface) -> tuple[np.ndarray, np.ndarray]:
