@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from aeroservo.aeroelastic.roots import RootSet
 from aeroservo.aeroelastic.stability import Boundary, unstable_counts
-from aeroservo.aeroelastic.tracking import follow, resolved_mesh, steps_between
+from aeroservo.aeroelastic.tracking import follow, resolved_mesh
 from aeroservo.datatypes import ModalModel
 from aeroservo.structure.modal import natural_modes
 
@@ -75,7 +75,7 @@ def follow_branches(
     mesh: Array,
     start: float,
 ) -> Branches:
-    """Follow every root from a speed near rest through a mesh, halving cells where a match is in doubt.
+    """Follow every root from a speed near rest through a mesh, with more speeds where a match is in doubt.
 
     Parameters
     ----------
@@ -108,8 +108,8 @@ def follow_branches(
     """
     lead = np.geomspace(start, mesh[0], 12)[:-1] if start < mesh[0] else np.zeros(0)
     mesh = np.concatenate([lead, mesh])
-    mesh, values = resolved_mesh(values_at, mesh, values_at(mesh))
-    roots = np.take_along_axis(values, follow(values, steps_between(values)[0]), axis=1)
+    mesh, values, steps = resolved_mesh(values_at, mesh, values_at(mesh))
+    roots = np.take_along_axis(values, follow(values, steps), axis=1)
     first = roots_at(mesh[:1])
     names = _branch_names(modes, first.values[0], first.shapes[0])
     labels: list[str] = []

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from aeroservo.aeroelastic.roots import frequency_scale
 from aeroservo.aeroelastic.stability import Boundary, boundaries
-from aeroservo.aeroelastic.tracking import follow, resolved_mesh, steps_between
+from aeroservo.aeroelastic.tracking import follow, resolved_mesh
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
 from aeroservo.structure.modal import natural_modes
 
@@ -174,8 +174,8 @@ def k_curves(
     def values_at(x: Array) -> Array:
         return harmonic_roots(model, rho, 1.0 / x)
 
-    mesh, values = resolved_mesh(values_at, mesh, values_at(mesh), halvings=6)
-    s = np.take_along_axis(values, follow(values, steps_between(values)[0]), axis=1)
+    mesh, values, steps = resolved_mesh(values_at, mesh, values_at(mesh), quarterings=3)
+    s = np.take_along_axis(values, follow(values, steps), axis=1)
     elastic = np.argsort(np.where(np.isfinite(s[0]), -s[0].imag, np.inf))[: len(names)][::-1]
     s = s[:, elastic]
     inverse = -1.0 / s**2

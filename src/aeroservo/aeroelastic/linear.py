@@ -99,10 +99,10 @@ def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: A
     m = len(kept)
     A0, A1, A2, lag_D = (x[..., :n] if i < 3 else x for i, x in enumerate(aero.matrices(condition.mach)))
     V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
-    mass = modes.M - 0.5 * rho * aero.b**2 * A2
+    inverse = _inverse_mass(modes, aero, A2, condition)
     blocks = [q * A0 - modes.K, 0.5 * rho * V * aero.b * A1 - modes.D, q * lag_D]
     blocks = [np.broadcast_to(block, (*condition.V.shape, *block.shape[-2:])) for block in blocks]
-    rows = np.linalg.solve(mass, np.concatenate(blocks, axis=-1))
+    rows = inverse @ np.concatenate(blocks, axis=-1)
     A = np.zeros((*condition.V.shape, m + n + n_lag, m + n + n_lag))
     A[..., np.arange(m), m + kept] = 1.0
     A[..., m : m + n, :m] = rows[..., kept]
@@ -162,10 +162,10 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition) -> Linear
         )
     n, n_lag, columns = modes.n, len(aero.lags), controls + gusts
     A0, _, A2, lag_D = aero.matrices(condition.mach)
-    V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
+    V, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.q))
     lag_E = aero.lag_E[:, columns]
     per_unit = np.concatenate([np.ones_like(V).repeat(len(controls), -1), (1.0 / V).repeat(len(gusts), -1)], axis=-1)
-    force = np.linalg.solve(modes.M - 0.5 * rho * aero.b**2 * A2[..., :n], q * (A0[..., columns] + lag_D @ lag_E))
+    force = _inverse_mass(modes, aero, A2[..., :n], condition) @ (q * (A0[..., columns] + lag_D @ lag_E))
     B = np.zeros((*condition.V.shape, 2 * n + n_lag, len(columns)))
     B[..., n : 2 * n, :] = force * per_unit
     B[..., 2 * n :, :] = -V / aero.b * aero.lags[:, None] * lag_E * per_unit
@@ -184,3 +184,11 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition) -> Linear
         inputs=tuple(inputs),
         outputs=tuple(displacement + rate),
     )
+
+
+def _inverse_mass(modes: ModalModel, aero: RationalAero, A2: Array, condition: FlightCondition) -> Array:
+    """Inverse of the mass with the air that moves along; one matrix where density and A2 are one."""
+    rho = condition.rho
+    if A2.ndim == 2 and rho.size and np.all(rho == rho.flat[0]):
+        rho = rho.flat[0]
+    return np.asarray(np.linalg.inv(modes.M - 0.5 * np.asarray(rho)[..., None, None] * aero.b**2 * A2))

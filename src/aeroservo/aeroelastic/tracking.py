@@ -100,16 +100,17 @@ def follow(values: Array, steps: Array) -> Array:
     >>> follow(values, steps_between(values)[0]).tolist()
     [[0, 1], [1, 0], [0, 1]]
     """
-    order = np.empty(values.shape, dtype=int)
-    row = order[0] = np.arange(values.shape[1])
-    for i, step in enumerate(steps):
-        row = order[i + 1] = step[row]
-    return order
+    row = list(range(values.shape[1]))
+    order = [row]
+    for step in steps.tolist():  # lists: faster than arrays for rows this short
+        row = [step[j] for j in row]
+        order.append(row)
+    return np.array(order)
 
 
 def resolved_mesh(
-    values_at: Callable[[Array], Array], mesh: Array, values: Array, *, halvings: int = 12
-) -> tuple[Array, Array]:
+    values_at: Callable[[Array], Array], mesh: Array, values: Array, *, quarterings: int = 6
+) -> tuple[Array, Array, Array]:
     """Add speeds where roots cannot be matched beyond doubt, until they can or the cell is tiny.
 
     Parameters
@@ -120,13 +121,14 @@ def resolved_mesh(
         Ascending speeds. [m/s]
     values : complex ndarray, shape (n_V, n_roots)
         Roots there. [1/s]
-    halvings : int
-        How often a cell may be halved.
+    quarterings : int
+        How often a cell may be cut into four.
 
     Returns
     -------
-    mesh, values : ndarray, shapes (n, ) and (n, n_roots)
-        The finer mesh, which contains the given one, and its roots. [m/s, 1/s]
+    mesh, values, steps : ndarray, shapes (n,), (n, n_roots) and (n - 1, n_roots)
+        The finer mesh, which contains the given one, its roots, and the matches of
+        `steps_between`. [m/s, 1/s, -]
 
     References
     ----------
@@ -140,20 +142,23 @@ def resolved_mesh(
     >>> len(resolved_mesh(values_at, V, values_at(V))[0]) > 2
     True
     """
-    doubtful = ~steps_between(values)[1]
+    steps, clear = steps_between(values)
+    doubtful = ~clear
     depth = np.zeros(len(mesh) - 1, dtype=int)
-    for _ in range(halvings):
-        cells = np.flatnonzero(doubtful & (depth < halvings))
+    while True:
+        cells = np.flatnonzero(doubtful & (depth < quarterings))
         if not cells.size:
-            break
-        middle = 0.5 * (mesh[cells] + mesh[cells + 1])
-        mesh = np.insert(mesh, cells + 1, middle)
-        values = np.insert(values, cells + 1, values_at(middle), axis=0)
+            return mesh, values, steps
+        inside = (mesh[cells, None] + np.diff(mesh)[cells, None] * np.array([0.25, 0.5, 0.75])).ravel()
         depth[cells] += 1
-        depth = np.insert(depth, cells + 1, depth[cells])
-        doubtful = np.insert(doubtful, cells + 1, True)
-        again = np.flatnonzero(doubtful)
-        pairs = np.empty((2 * len(again), values.shape[1]), dtype=complex)
-        pairs[0::2], pairs[1::2] = values[again], values[again + 1]
-        doubtful[again] = ~steps_between(pairs)[1][0::2]
-    return mesh, values
+        place = np.repeat(cells + 1, 3)
+        mesh = np.insert(mesh, place, inside)
+        values = np.insert(values, place, values_at(inside), axis=0)
+        depth, doubtful = (np.insert(x, place, np.repeat(x[cells], 3)) for x in (depth, doubtful))
+        steps = np.insert(steps, place, 0, axis=0)
+        parts = (cells + 3 * np.arange(cells.size))[:, None] + np.arange(4)
+        parts = parts.ravel()
+        pairs = np.empty((2 * parts.size, values.shape[1]), dtype=complex)
+        pairs[0::2], pairs[1::2] = values[parts], values[parts + 1]
+        found, clear = steps_between(pairs)
+        steps[parts], doubtful[parts] = found[0::2], ~clear[0::2]
