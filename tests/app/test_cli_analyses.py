@@ -61,6 +61,16 @@ def test_flutter_json(cli: Cli) -> None:
     assert flutters["damping_ratio"][0] > 0.0 > flutters["damping_ratio"][-1]
 
 
+def test_flutter_out(cli: Cli, tmp_path: Path) -> None:
+    """--out holds what --json prints, replaces an older file, and leaves nothing else."""
+    path = tmp_path / "x.json"
+    path.write_text("old", encoding="utf-8")
+    answer = cli("flutter", "thesis-binary", "--json", *SPEEDS, "--out", path)
+    assert json.loads(path.read_text(encoding="utf-8")) == answer.json
+    assert str(path) in answer.err
+    assert [p.name for p in tmp_path.iterdir()] == ["x.json"]
+
+
 def test_flutter_is_the_python_function(cli: Cli) -> None:
     """The command gives what `aeroservo.flutter` gives, bit for bit."""
     found = cli("flutter", "thesis-aircraft", "--json", "--altitude", "3048", *SPEEDS).json

@@ -153,6 +153,27 @@ def test_bad_options(cli: Cli, options: list[str], word: str, tmp_path: Path, mo
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("command", ["check", "modes", "flutter"])
+@pytest.mark.parametrize(
+    ("preset", "damping", "word"),
+    [
+        ("goland", "viscous = {plunge_N_s_per_m = 1.0}", "damping.viscous"),
+        ("thesis-binary", "modal = {ratios = [0.1, 0.1, 0.1]}", "ratios"),
+    ],
+)
+def test_files_that_the_mechanics_refuse(
+    cli: Cli, tmp_path: Path, command: str, preset: str, damping: str, word: str
+) -> None:
+    """Well formed, but there is no such model: `check` says so too."""
+    path = tmp_path / "wing.toml"
+    cli("new", preset, path)
+    path.write_text(path.read_text(encoding="utf-8") + f"\n[damping]\n{damping}\n", encoding="utf-8")
+    answer = cli(command, path, "--json")
+    assert (answer.code, answer.out) == (2, "")
+    assert word in answer.err
+    assert preset in answer.err
+
+
 @pytest.mark.parametrize("speed", ["0", "-3", "nan", "inf", "1e9", "fast"])
 def test_linearize_needs_a_speed(cli: Cli, speed: str) -> None:
     """A speed that is none."""

@@ -228,7 +228,7 @@ def new(preset: str, file: str | os.PathLike[str], *, force: bool = False) -> Pa
     ...     read(new("goland", Path(folder) / "mine.toml")).kind
     'beam_wing'
     """
-    names = [p.name for p in presets()]
+    names = _preset_names()
     if preset not in names:
         hint = nearest(preset, names)
         raise ModelFileError(f"no preset named {clean(preset, 60)!r}{hint}; the presets are {', '.join(names)}")
@@ -302,17 +302,22 @@ def _move(temporary: Path, path: Path, force: bool) -> None:
         os.replace(temporary, path)
 
 
+def _preset_names() -> list[str]:
+    """Names of the presets, none of them read."""
+    return [path.stem for path in sorted(_PRESETS.glob("*.toml"))]
+
+
 def _located(name_or_path: str | os.PathLike[str]) -> Path:
     """Path of a preset or file, or an error that lists what there is."""
     given = os.fspath(name_or_path)
-    if isinstance(name_or_path, str) and given in {path.stem for path in _PRESETS.glob("*.toml")}:
+    if isinstance(name_or_path, str) and given in _preset_names():
         return _PRESETS / f"{given}.toml"
     try:
         if os.path.lexists(given):
             return Path(given)
     except (OSError, ValueError):  # a name that the system does not take
         pass
-    names = [path.stem for path in sorted(_PRESETS.glob("*.toml"))]
+    names = _preset_names()
     raise ModelFileError(
         f"{clean(given, 200)}: no such file, and no preset of that name{nearest(given, names)}; "
         f"the presets are {', '.join(names)}"

@@ -50,9 +50,55 @@ def load(
     sweep_of(file, speeds)
     if aero is AeroTheory.dlm:
         not_yet("--aero dlm (an unsteady lattice)")
+    return file, built(file, aero), file.problems()
+
+
+def built(file: FileModel, aero: AeroTheory | None = None) -> AeroelasticModel:
+    """The model that a file describes; what the mechanics refuse is told with the name of the model.
+
+    Parameters
+    ----------
+    file : FileModel
+        Read.
+    aero : AeroTheory, optional
+        Air forces; by kind of model if not given.
+
+    Returns
+    -------
+    model : AeroelasticModel
+        Without airspeed or density.
+
+    Raises
+    ------
+    ValueError
+        If the file is well formed but no such model exists.
+    """
     from aeroservo.aeroelastic.build import build
 
-    return file, build(file, aero.value if aero else None), file.problems()
+    try:
+        return build(file, aero.value if aero else None)
+    except ValueError as error:
+        if type(error) is ValueError:
+            raise ValueError(f"{file.name}: {error}") from error
+        raise
+
+
+def is_buildable(file: FileModel) -> bool:
+    """Whether there are analyses for this kind of model.
+
+    Parameters
+    ----------
+    file : FileModel
+        Read.
+
+    Returns
+    -------
+    buildable : bool
+        As far as `build` goes.
+    """
+    from aeroservo.aeroelastic.build import DEFAULTS
+
+    return file.kind in DEFAULTS
 
 
 def rational(model: AeroelasticModel, bound: float) -> AeroelasticModel:

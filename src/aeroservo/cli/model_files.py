@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from aeroservo.cli.loaded import built, is_buildable
 from aeroservo.cli.options import Json, Model
 from aeroservo.cli.output import complain, heading, print_json, table
 
@@ -64,6 +65,8 @@ def check(model: Model, *, as_json: Json = False) -> None:
     from aeroservo.aircraft.files import read
 
     file = read(model)
+    if is_buildable(file):
+        built(file)
     derived, problems = file.derived(), list(file.problems())
     if as_json:
         print_json(heading(file.name) | {"kind": file.kind, "derived": derived, "problems": problems})
