@@ -9,8 +9,9 @@ import numpy as np
 
 from aeroservo.aeroelastic.build import build
 from aeroservo.aeroelastic.linear import state_matrix
+from aeroservo.aeroelastic.pk import frequency_roots
 from aeroservo.aeroelastic.population import population_flutter
-from aeroservo.aeroelastic.roots import frequency_roots, p_roots
+from aeroservo.aeroelastic.roots import p_roots
 from aeroservo.aeroelastic.tracking import follow, resolved_mesh
 from aeroservo.aircraft.files import read
 from aeroservo.datatypes import AeroelasticModel, AeroInput, FlightCondition, ModalModel, RationalAero

@@ -7,6 +7,8 @@ may and may not know is written down in docs/architecture.md.
 The one equation behind these types (equations.md, "One equation of motion"):
 
     M q'' + M_control u'' + D q' + K q = q_bar Q(p) [q, u, w_g/V, 1],   p = s b / V
+
+Over budget because the waist is one file, so that a newcomer finds every shared type in it.
 """
 
 from __future__ import annotations

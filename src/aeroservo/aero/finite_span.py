@@ -30,12 +30,12 @@ def helmbold_slope(aspect_ratio: ArrayLike, section_slope: ArrayLike = 2.0 * np.
 
     References
     ----------
-    Helmbold, Jahrbuch der deutschen Luftfahrtforschung, 1942, I 111-113.
+    Helmbold, Jahrbuch der deutschen Luftfahrtforschung, 1942, p. I 111.
 
     Examples
     --------
     >>> round(float(helmbold_slope(6.0)), 4)
-    4.529
+    4.5287
     """
     return polhamus_slope(aspect_ratio, 0.0, section_slope)
 
@@ -67,7 +67,7 @@ def polhamus_slope(aspect_ratio: ArrayLike, sweep: ArrayLike, section_slope: Arr
 
     References
     ----------
-    Polhamus & Lowry, NACA Technical Note 1862, 1949, incompressible; Helmbold for no sweep.
+    Lowry & Polhamus, NACA Technical Note 3911, 1957, Eq. 1, without compressibility; Helmbold 1942, p. I 111.
 
     Examples
     --------

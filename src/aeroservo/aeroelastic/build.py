@@ -19,9 +19,10 @@ from aeroservo.aero.strip import (
     strip_shapes,
 )
 from aeroservo.aeroelastic.build_beam import beam_model
+from aeroservo.aeroelastic.pitch_plunge import pitch_plunge_model
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.aircraft.schema_beam import BeamWing
-from aeroservo.aircraft.schema_other import ModalFile
+from aeroservo.aircraft.schema_other import ModalFile, PitchPlungeFlap
 from aeroservo.aircraft.schema_section import TypicalSection
 from aeroservo.aircraft.schema_wing import AircraftWing, BinaryWing, WholeAircraft
 from aeroservo.datatypes import AeroelasticModel, AeroInput, ModalModel, SampledAero, Spring
@@ -41,7 +42,15 @@ THEORIES: dict[str, Callable[[], Theory]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Default:
-    """Aerodynamics and flutter method of a kind of model where the user names none."""
+    """Aerodynamics and flutter method of a kind of model where the user names none.
+
+    Attributes
+    ----------
+    aero : str or None
+        A key of `THEORIES`; None where the model brings its own.
+    method : str
+        "p", "pk", "k" or "g".
+    """
 
     aero: str | None
     method: str
@@ -52,6 +61,7 @@ DEFAULTS = {
     "binary_wing": Default(aero="quasi_steady_damped", method="p"),
     "whole_aircraft": Default(aero="quasi_steady_damped", method="p"),
     "beam_wing": Default(aero="theodorsen", method="pk"),
+    "pitch_plunge_flap": Default(aero=None, method="p"),
     "modal": Default(aero=None, method="pk"),
 }
 """contract.md, "Default --aero by kind"."""
@@ -91,6 +101,10 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
         raise ValueError(f"kind {model.kind!r} has no aeroelastic model of its own yet; kinds that have: {[*DEFAULTS]}")
     if isinstance(model, ModalFile):
         return _modal(model, aero)
+    if isinstance(model, PitchPlungeFlap):
+        if aero is not None:
+            raise ValueError(f"a pitch_plunge_flap model has derivatives of its own: leave out aero {aero!r}")
+        return pitch_plunge_model(model)
     name = aero or DEFAULTS[model.kind].aero
     if name == "dlm":
         raise ValueError("aero 'dlm': there is no unsteady lattice yet; strips: " + ", ".join(THEORIES))

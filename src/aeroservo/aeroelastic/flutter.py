@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from aeroservo.aero.rational import RationalFit, fit_rational
 from aeroservo.aeroelastic.branches import Branches, Interval, follow_branches, unstable_intervals
-from aeroservo.aeroelastic.kmethod import k_boundaries, k_curves, slowest
-from aeroservo.aeroelastic.roots import RootSet, frequency_roots, frequency_scale, p_roots, p_values
+from aeroservo.aeroelastic.kmethod import k_boundaries, k_curves
+from aeroservo.aeroelastic.pk import frequency_roots
+from aeroservo.aeroelastic.roots import RootSet, frequency_scale, p_roots, p_values, slowest
 from aeroservo.aeroelastic.stability import Boundary, boundaries
 from aeroservo.aeroelastic.static import divergence
 from aeroservo.datatypes import AeroelasticModel, FlightCondition, RationalAero
@@ -262,7 +263,7 @@ def remembered(values_at: Callable[[Array], Array]) -> Callable[[Array], Array]:
     Returns
     -------
     values_at : callable
-        With a memory of its own.
+        With a memory of its own. [1/s]
 
     References
     ----------

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aeroservo.aeroelastic.roots import frequency_scale
+from aeroservo.aeroelastic.roots import frequency_scale, normalised, slowest
 from aeroservo.aeroelastic.stability import Boundary, boundaries
 from aeroservo.aeroelastic.tracking import follow, resolved_mesh
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
@@ -194,39 +194,7 @@ def _null_shapes(model: AeroelasticModel, rho: float, k: Array, s: Array) -> Arr
     w = np.where(np.isfinite(s), -1j * s, 1.0)[..., None, None]
     mass = modes.M + 0.5 * rho * b**2 / k[..., None, None] ** 2 * model.aero(k)[..., : modes.n]
     F = -(w**2) * mass + 1j * w * modes.D + modes.K * (1.0 + 1j * modes.hysteretic_g)
-    x = np.linalg.svd(F)[2][..., -1, :].conj()
-    largest = np.take_along_axis(x, np.argmax(np.abs(x), axis=-1)[..., None], axis=-1)
-    return np.asarray(x / largest)
-
-
-def slowest(model: AeroelasticModel) -> float:
-    """Smallest frequency of the structure in vacuum that is not zero. [rad/s]
-
-    Parameters
-    ----------
-    model : AeroelasticModel
-        Any.
-
-    Returns
-    -------
-    omega : float
-        Lowest elastic frequency; 1 where there is no stiffness. [rad/s]
-
-    References
-    ----------
-    Bramstång 2015, Eq. 7.24 with rho = 0.
-
-    Examples
-    --------
-    >>> from aeroservo.datatypes import AeroInput, ModalModel, SampledAero
-    >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("h",))
-    >>> air = SampledAero(k=[0.0], Q=[[[[0.0]]]], b=1.0, inputs=(AeroInput(name="h", kind="mode"),))
-    >>> slowest(AeroelasticModel(modes=one, aero=air))
-    2.0
-    """
-    squares = np.abs(np.linalg.eigvals(np.linalg.solve(model.modes.M, model.modes.K)))
-    elastic = squares[squares > 1e-12 * squares.max()]
-    return float(np.sqrt(elastic.min())) if elastic.size else 1.0
+    return normalised(np.linalg.svd(F)[2][..., -1, :].conj())
 
 
 def root_slope(model: AeroelasticModel, condition: FlightCondition, V: float, omega: float) -> complex:
@@ -249,11 +217,11 @@ def root_slope(model: AeroelasticModel, condition: FlightCondition, V: float, om
     Returns
     -------
     slope : complex
-        Change of s with speed; a positive real part is a loss of stability. [1/m]
+        Change of s with speed, in (1/s) per (m/s); a positive real part is a loss of stability. [1/m]
 
     References
     ----------
-    Lancaster, Numerische Mathematik 6, 1964, 377-387 (derivatives of eigenvalues of matrix functions).
+    Lancaster, Numerische Mathematik 6, 1964, p. 377 (derivatives of eigenvalues of matrix functions).
 
     Examples
     --------

@@ -138,8 +138,8 @@ def resolved_mesh(
     --------
     >>> def values_at(V):
     ...     return np.stack([1j * (1.0 + V), 1j * (2.1 - V)], axis=1)
-    >>> V = np.array([0.0, 1.0])
-    >>> len(resolved_mesh(values_at, V, values_at(V))[0]) > 2
+    >>> V = np.array([0.0, 0.5, 1.0])
+    >>> len(resolved_mesh(values_at, V, values_at(V))[0]) > 3
     True
     """
     steps, clear = steps_between(values)

@@ -122,8 +122,9 @@ def whole_aircraft(
 
     Examples
     --------
-    >>> whole_aircraft(semi_span=2.0, chord=0.5, flexural_axis=0.4, mass_per_area=10.0, plunge_stiffness=1e3,
-    ...                pitch_stiffness=400.0, centre_mass=3.0).M[2, 2]
+    >>> aircraft = whole_aircraft(semi_span=2.0, chord=0.5, flexural_axis=0.4, mass_per_area=10.0,
+    ...                           plunge_stiffness=1e3, pitch_stiffness=400.0, centre_mass=3.0)
+    >>> float(aircraft.M[2, 2])
     13.0
     """
     s, c, x_f, mu, m_s = semi_span, chord, flexural_axis * chord, mass_per_area, leading_edge_mass
