@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aeroservo.datatypes import AeroelasticModel, FlightCondition, LinearSystem, ModalModel, RationalAero, SampledAero
+from aeroservo.servo import Actuator
 
 Array = NDArray[Any]
 
@@ -114,19 +116,25 @@ def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: A
     return A
 
 
-def linear_system(model: AeroelasticModel, condition: FlightCondition) -> LinearSystem:
-    """Named state space of a model at a flight condition, or at a batch of them.
+def linear_system(model: AeroelasticModel, condition: FlightCondition, *, actuators: bool = True) -> LinearSystem:
+    """Named state space of a model at a flight condition, or at a batch of them, about its equilibrium.
 
-    States are every displacement, every rate and the lag states y of y' = E q' - (V/b) gamma
-    (y + E u); inputs the controls [rad] and the gust zones w_g [m/s, up positive, met at the zone's
-    own leading edge]; outputs the displacements and rates.
+    States are every displacement, every rate, the lag states y of y' = E q' - (V/b) gamma (y + E u), then the
+    deflection (and its rate) of each actuator; inputs the controls [rad], commands where an actuator moves them, and
+    the gust zones w_g [m/s, up positive, met at the zone's own leading edge]; outputs the displacements, rates,
+    deflections behind actuators and sensors. Limits, backlash, dead times and bandwidths of sensors are left out.
+
+    A gust column with a rate term (A1) would take w_g' and a sharp edge would be an impulse: the jump of the rates that
+    it gives is taken out of the state, so that the rates are C x + D w_g.
 
     Parameters
     ----------
     model : AeroelasticModel
-        With rational air forces; controls without rate or acceleration terms.
+        With rational air forces.
     condition : FlightCondition
         Any shape (...).
+    actuators : bool
+        Whether actuators are part of the system; without them the controls are the inputs.
 
     Returns
     -------
@@ -136,8 +144,8 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition) -> Linear
     Raises
     ------
     ValueError
-        If the air forces are samples, the damping is hysteretic, or a control has rate, acceleration
-        or inertia terms: it then needs an actuator of relative degree two or more.
+        If the air forces are samples, the damping is hysteretic, or a control has rate terms without an actuator, or
+        acceleration or inertia terms without one of relative degree two.
 
     References
     ----------
@@ -155,34 +163,157 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition) -> Linear
     modes, aero = model.modes, model.aero
     A = state_matrix(model, condition, keep=np.ones(modes.n, dtype=bool))
     assert isinstance(aero, RationalAero)  # state_matrix refused anything else
-    controls, gusts = aero.columns("control"), aero.columns("gust")
-    if np.any(aero.A1[..., controls]) or np.any(aero.A2[..., controls]) or np.any(modes.M_control):
-        raise ValueError(
-            "a control has rate, acceleration or inertia terms: it needs an actuator of relative degree two"
-        )
-    n, n_lag, columns = modes.n, len(aero.lags), controls + gusts
-    A0, _, A2, lag_D = aero.matrices(condition.mach)
-    V, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.q))
-    lag_E = aero.lag_E[:, columns]
-    per_unit = np.concatenate([np.ones_like(V).repeat(len(controls), -1), (1.0 / V).repeat(len(gusts), -1)], axis=-1)
-    force = _inverse_mass(modes, aero, A2[..., :n], condition) @ (q * (A0[..., columns] + lag_D @ lag_E))
-    B = np.zeros((*condition.V.shape, 2 * n + n_lag, len(columns)))
-    B[..., n : 2 * n, :] = force * per_unit
-    B[..., 2 * n :, :] = -V / aero.b * aero.lags[:, None] * lag_E * per_unit
+    moved = {a.control: a for a in model.actuators} if actuators else {}
+    check_control_terms(model, moved)
+    plant = _Plant(model, condition)
+    n, n_lag = modes.n, len(aero.lags)
+    batch, n_plant = condition.V.shape, 2 * modes.n + len(aero.lags)
+    names = [aero.inputs[j].name for j in plant.controls]
+    chosen = [moved.get(name) for name in names]
+    width = [0 if a is None else a.order for a in chosen]
+    n_x, n_gust = n_plant + sum(width), len(plant.gusts)
+    full, B = np.zeros((*batch, n_x, n_x)), np.zeros((*batch, n_x, len(names) + n_gust))
+    full[..., :n_plant, :n_plant] = A
+    row = n_plant
+    for j, actuator in enumerate(chosen):
+        if actuator is None:
+            B[..., :n_plant, j] = plant.delta[..., j]
+            continue
+        full[..., :n_plant, row] += plant.delta[..., j]
+        rate = np.zeros((actuator.order, 1 + actuator.order))  # of the actuator's states, per state and per command
+        w = actuator.omega
+        if actuator.zeta is None:
+            rate[0] = -w, w * actuator.gain
+        else:
+            rate[0, 1] = 1.0
+            rate[1] = -w * w, -2.0 * actuator.zeta * w, w * w * actuator.gain
+        full[..., row : row + actuator.order, row : row + actuator.order] = rate[:, :-1]
+        B[..., row : row + actuator.order, j] = rate[:, -1]
+        velocity, acceleration = (rate[0], None) if actuator.order == 1 else (np.array([0.0, 1.0, 0.0]), rate[1])
+        for effect, source in ((plant.delta_rate[..., j], velocity), (plant.delta_acceleration[..., j], acceleration)):
+            if source is not None:
+                full[..., :n_plant, row : row + actuator.order] += effect[..., None] * source[:-1]
+                B[..., :n_plant, j] += effect * source[-1]
+        row += actuator.order
+    jump = np.zeros((*batch, n_x, n_gust))
+    jump[..., :n_plant, :] = plant.gust_rate
+    B[..., :n_plant, len(names) :] = plant.gust
+    B[..., len(names) :] += full @ jump
+    return _named(model, full, B, jump, plant, [a for a in chosen if a is not None], n, n_lag)
+
+
+def check_control_terms(model: AeroelasticModel, moved: Mapping[str, Actuator]) -> None:
+    """Refuse controls whose rate or acceleration acts but is not known.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        With rational air forces.
+    moved : mapping of str to Actuator
+        Actuator of each control that has one.
+
+    Raises
+    ------
+    ValueError
+        If a control has rate terms and no actuator, or acceleration or inertia terms and none of second order.
+
+    References
+    ----------
+    Project convention: architecture.md, "An actuator of relative degree two or more".
+
+    Examples
+    --------
+    >>> from aeroservo.aeroelastic.build import build
+    >>> from aeroservo.aircraft.files import read
+    >>> check_control_terms(build(read("bact")), {})  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    ValueError: control 'elevon' has acceleration or inertia terms: it needs an actuator of relative degree two...
+    """
+    aero = model.aero
+    assert isinstance(aero, RationalAero)
+    for index, j in enumerate(aero.columns("control")):
+        name = aero.inputs[j].name
+        order = moved[name].order if name in moved else 0
+        inertia = model.modes.M_control[:, index] if model.modes.M_control.shape[1] else np.zeros(1)
+        if order < 2 and (np.any(aero.A2[..., j]) or np.any(inertia)):
+            raise ValueError(
+                f"control {name!r} has acceleration or inertia terms: it needs an actuator of relative degree two "
+                "(give the actuator a zeta)"
+            )
+        if order < 1 and np.any(aero.A1[..., j]):
+            raise ValueError(f"control {name!r} has rate terms: it needs an actuator")
+
+
+class _Plant:
+    """What controls and gusts do to the rows [q', q'', lag'] of a model, batched as the condition."""
+
+    def __init__(self, model: AeroelasticModel, condition: FlightCondition) -> None:
+        modes, aero = model.modes, model.aero
+        assert isinstance(aero, RationalAero)
+        n, n_lag = modes.n, len(aero.lags)
+        self.controls, self.gusts = aero.columns("control"), aero.columns("gust")
+        A0, A1, A2, lag_D = aero.matrices(condition.mach)
+        V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
+        inverse = _inverse_mass(modes, aero, A2[..., :n], condition)
+
+        def rows(force: Array, lag: Array | None = None) -> Array:
+            """Accelerations of a force, and the drive of the lags."""
+            out = np.zeros((*condition.V.shape, 2 * n + n_lag, force.shape[-1]))
+            out[..., n : 2 * n, :] = inverse @ np.broadcast_to(force, (*condition.V.shape, *force.shape[-2:]))
+            if lag is not None:
+                out[..., 2 * n :, :] = lag
+            return out
+
+        def of(columns: list[int]) -> tuple[Array, Array]:
+            E = aero.lag_E[:, columns]
+            return q * (A0[..., columns] + lag_D @ E), -V / aero.b * aero.lags[:, None] * E
+
+        inertia = modes.M_control if modes.M_control.shape[1] else np.zeros((n, len(self.controls)))
+        c, g = self.controls, self.gusts
+        self.delta = rows(*of(c))
+        self.delta_rate = rows(0.5 * rho * V * aero.b * A1[..., c])
+        self.delta_acceleration = rows(0.5 * rho * aero.b**2 * A2[..., c] - inertia)
+        self.gust = rows(*of(g)) / V
+        self.gust_rate = rows(0.5 * rho * aero.b * A1[..., g])
+
+
+def _named(
+    model: AeroelasticModel, A: Array, B: Array, jump: Array, plant: _Plant, moved: list[Actuator], n: int, n_lag: int
+) -> LinearSystem:
+    """Outputs and names: rates hold the jump of the gust."""
+    modes, aero = model.modes, model.aero
+    n_x, batch = A.shape[-1], A.shape[:-2]
+    deflection = np.cumsum([2 * n + n_lag, *(a.order for a in moved)])[:-1].astype(int)
+    direct = np.eye(n_x)[[*range(2 * n), *deflection]]
+    C = np.broadcast_to(direct, (*batch, *direct.shape))
+    n_gust = jump.shape[-1]
+    D = np.zeros((*batch, len(direct), B.shape[-1]))
+    D[..., B.shape[-1] - n_gust :] = C @ jump
+    for sensor in model.sensors:
+        rows = [np.array(r) if len(r) else np.zeros(n) for r in (sensor.displacement, sensor.rate, sensor.acceleration)]
+        position = np.concatenate([rows[0], rows[1], np.zeros(n_x - 2 * n)])
+        c = position + rows[2] @ A[..., n : 2 * n, :]
+        d = np.zeros((*batch, B.shape[-1]))
+        d[..., B.shape[-1] - n_gust :] = np.asarray(position @ jump)
+        C = np.concatenate([C, c[..., None, :]], axis=-2)
+        D = np.concatenate([D, (d + rows[2] @ B[..., n : 2 * n, :])[..., None, :]], axis=-2)
     names = [name.replace(" ", "_") for name in modes.names]
     displacement = [name + (f"_{unit}" if unit else "") for name, unit in zip(names, modes.units)]
     rate = [f"{name}_rate" + (f"_{unit}_s" if unit else "_1_s") for name, unit in zip(names, modes.units)]
-    lags = [f"lag_{j + 1}" for j in range(n_lag)]
-    inputs = [f"{aero.inputs[j].name}_rad" for j in controls] + [f"{aero.inputs[j].name}_m_s" for j in gusts]
-    batch = condition.V.shape
+    states = [*displacement, *rate, *(f"lag_{j + 1}" for j in range(n_lag))]
+    for actuator in moved:
+        states += [f"{actuator.control}_rad", f"{actuator.control}_rate_rad_s"][: actuator.order]
+    commanded = {a.control for a in moved}
+    inputs = [f"{aero.inputs[j].name}_{'command_' * (aero.inputs[j].name in commanded)}rad" for j in plant.controls]
     return LinearSystem(
         A=A,
         B=B,
-        C=np.broadcast_to(np.eye(2 * n, 2 * n + n_lag), (*batch, 2 * n, 2 * n + n_lag)),
-        D=np.zeros((*batch, 2 * n, len(columns))),
-        states=tuple(displacement + rate + lags),
-        inputs=tuple(inputs),
-        outputs=tuple(displacement + rate),
+        C=C,
+        D=D,
+        states=tuple(states),
+        inputs=(*inputs, *(f"{aero.inputs[j].name}_m_s" for j in plant.gusts)),
+        outputs=(*displacement, *rate, *(f"{a.control}_rad" for a in moved), *(s.channel for s in model.sensors)),
     )
 
 

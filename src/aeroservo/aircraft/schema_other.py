@@ -116,6 +116,12 @@ class PitchPlungeParameters(Table):
     CM0: float = quantity("moment coefficient at alpha = 0", "-", ge=-100.0, le=100.0, default=0.0)
     theta_trim_rad: float = quantity("pitch attitude of the trim", "rad", ge=-1.5, le=1.5, default=0.0)
 
+    def lift_reversal(self, CM_delta: float) -> float | None:
+        """Dynamic pressure at which the elevon gives no lift, q = K_theta CL_d/(S c (CM_a CL_d - CL_a CM_d)). [Pa]"""
+        bottom = self.S_m2 * self.c_m * (self.CM_alpha * self.CL_delta - self.CL_alpha * CM_delta)
+        top = self.K_theta_N_m_rad * self.CL_delta
+        return top / bottom if top * bottom > 0.0 else None
+
     @model_validator(mode="after")
     def _masses(self) -> PitchPlungeParameters:
         positive_definite(self.m_kg, self.I_theta_kg_m2, self.S_htheta_kg_m, "model", "kg^2 m^2")
@@ -131,6 +137,7 @@ class Actuator(Table):
     limit_deg: float | None = quantity("largest deflection either way", "deg", gt=0.0, le=180.0, default=None)
     rate_deg_s: float | None = quantity("largest rate either way", "deg/s", gt=0.0, default=None)
     delay_s: float = quantity("dead time", "s", ge=0.0, le=100.0, default=0.0)
+    backlash_deg: float = quantity("half width of the play", "deg", ge=0.0, le=90.0, default=0.0)
 
 
 class Sensor(Table):
@@ -143,6 +150,10 @@ class Sensor(Table):
         description="what it measures; accelerometers positive down"
     )
     x_m: float = quantity("place aft of the pitch axis", "m", ge=-LONGEST, le=LONGEST, default=0.0)
+    bandwidth_rad_s: float | None = quantity("corner of its lag of first order", "rad/s", gt=0.0, default=None)
+    noise: float = quantity("standard deviation of white noise at each sample", "SI", ge=0.0, default=0.0)
+    quantum: float = quantity("step to which samples are rounded", "SI", ge=0.0, default=0.0)
+    delay_s: float = quantity("age of a sample when it is read", "s", ge=0.0, le=100.0, default=0.0)
 
 
 class Limits(Table):
@@ -170,6 +181,13 @@ class FlapNonlinearity(SpringNonlinearity):
         return table
 
 
+class Comparison(Table):
+    """`[comparison]`: a moment per elevon from another source; `check` says what it would give, no more."""
+
+    CM_delta: float = quantity("moment per elevon about the pitch axis", "1/rad", ge=-1e3, le=1e3)
+    source: str = Field(description="where it comes from", min_length=1, max_length=200)
+
+
 class PitchPlungeFlap(FileModel):
     """A model file of kind `pitch_plunge_flap`."""
 
@@ -181,6 +199,7 @@ class PitchPlungeFlap(FileModel):
     sensor: Annotated[tuple[Sensor, ...], Strict(False)] = Field((), description="what is measured")
     limits: Limits | None = Field(None, description="where a simulation ends")
     nonlinear: FlapNonlinearity | None = Field(None, description="springs and lift that are not straight lines")
+    comparison: Comparison | None = Field(None, description="another source's moment per elevon, for `check` only")
 
     @model_validator(mode="after")
     def _names_differ(self) -> PitchPlungeFlap:
@@ -188,13 +207,43 @@ class PitchPlungeFlap(FileModel):
         return self
 
     def derived(self) -> dict[str, Any]:
-        """Uncoupled frequencies and offset of the mass: see `FileModel.derived`."""
+        """Uncoupled frequencies, offset of the mass, divergence and lift reversal: see `FileModel.derived`."""
         m = self.model
-        return {
+        found = {
             "uncoupled_plunge_rad_s": math.sqrt(m.K_h_N_m / m.m_kg),
             "uncoupled_pitch_rad_s": math.sqrt(m.K_theta_N_m_rad / m.I_theta_kg_m2),
             "mass_aft_of_pitch_axis_m": m.S_htheta_kg_m / m.m_kg,
+            "divergence_pressure_Pa": m.K_theta_N_m_rad / (m.S_m2 * m.c_m * m.CM_alpha) if m.CM_alpha > 0.0 else None,
+            "lift_reversal_pressure_Pa": m.lift_reversal(m.CM_delta),
         }
+        if self.comparison is not None:
+            other = m.lift_reversal(self.comparison.CM_delta)
+            found |= {
+                "comparison_CM_delta": self.comparison.CM_delta,
+                "comparison_lift_reversal_pressure_Pa": other,
+                "comparison_lift_reversal_sea_level_m_s": None if other is None else math.sqrt(2.0 * other / 1.225),
+            }
+        return found
+
+    def problems(self) -> tuple[str, ...]:
+        """Another source's moment per elevon, a stall curve that does not continue the slope: see `FileModel`."""
+        m, notes = self.model, []
+        if self.comparison is not None:
+            own, other = m.lift_reversal(m.CM_delta), m.lift_reversal(self.comparison.CM_delta)
+            if own is not None and other is not None:
+                notes.append(
+                    f"CM_delta = {m.CM_delta:g} reverses lift at {own:.0f} Pa; {self.comparison.source} has "
+                    f"{self.comparison.CM_delta:g}, which would reverse it at {other:.0f} Pa, "
+                    f"{math.sqrt(other / own):.3f} times that speed"
+                )
+        if self.nonlinear is not None and self.nonlinear.CL_alpha_table is not None:
+            slope = _slope_at(self.nonlinear.CL_alpha_table, math.degrees(m.theta_trim_rad))
+            if abs(slope - m.CL_alpha) > 0.05 * abs(m.CL_alpha):
+                notes.append(
+                    f"CL_alpha_table rises by {slope:.3g} 1/rad at the trim, CL_alpha is {m.CL_alpha:g}: linear "
+                    "analyses use CL_alpha, simulations the table"
+                )
+        return tuple(notes)
 
 
 class StateSpaceTable(Table):
@@ -235,6 +284,13 @@ class StateSpaceFile(FileModel):
         """Sizes of the system: see `FileModel.derived`."""
         m = self.model
         return {"states": len(m.states), "inputs": len(m.inputs), "outputs": len(m.outputs)}
+
+
+def _slope_at(table: tuple[tuple[float, ...], ...], alpha: float) -> float:
+    """Slope of the table's part that holds an angle [deg], per radian."""
+    rows = next((pair for pair in pairwise(table) if pair[0][0] <= alpha <= pair[1][0]), (table[0], table[0]))
+    rise = rows[1][0] - rows[0][0]
+    return (rows[1][1] - rows[0][1]) / math.radians(rise) if rise else 0.0
 
 
 def _unique(names: list[str] | tuple[str, ...], what: str) -> None:
