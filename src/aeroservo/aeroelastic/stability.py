@@ -125,7 +125,8 @@ def boundaries(values_at: Callable[[Array], Array], mesh: Array, values: Array, 
     Returns
     -------
     boundaries : list of Boundary
-        In order of speed, refined to 1e-12 relative (splits and merges 1e-9).
+        In order of speed, refined to 1e-12 relative (splits and merges 1e-9; a real root that passes another at
+        rest at zero, to the neutral band).
 
     References
     ----------
@@ -142,6 +143,7 @@ def boundaries(values_at: Callable[[Array], Array], mesh: Array, values: Array, 
     for oscillatory in (True, False):
         for sign in (1.0, -1.0):
             mesh, values = _with_extremes(values_at, mesh, values, oscillatory, sign)
+    mesh, values = _with_meetings(values_at, mesh, values, scale)
     low, high = _isolated(values_at, mesh, values, scale)
     if not low.size:
         return []
@@ -150,7 +152,7 @@ def boundaries(values_at: Callable[[Array], Array], mesh: Array, values: Array, 
     found = _splits(values_at, low[split], high[split], before[split], scale)
     for kind, oscillatory in enumerate((True, False)):
         counts = before[~split, kind], after[~split, kind]
-        found += _crossings(values_at, low[~split], high[~split], counts, oscillatory)
+        found += _crossings(values_at, low[~split], high[~split], counts, oscillatory, scale)
     return sorted(found, key=lambda boundary: boundary.V)
 
 
@@ -190,6 +192,50 @@ def _with_extremes(
     return np.insert(mesh, place, V), np.insert(values, place, values_at(V), axis=0)
 
 
+def _with_meetings(
+    values_at: Callable[[Array], Array], mesh: Array, values: Array, scale: float
+) -> tuple[Array, Array]:
+    """The mesh with speeds at which an unstable pair is real, or unstable real roots a pair, for part of a cell only.
+
+    The counts at both ends of the cell agree, so it is the square of the lowest frequency, or of the least
+    distance between neighbours on the real axis, that is followed towards zero.
+    """
+    counts = np.stack(unstable_counts(values, scale), axis=1)
+    for kind in (0, 1):
+        apart = _apart(values, scale)[:, kind]
+        left, right = np.append(apart[0], apart[:-1]), np.append(apart[1:], apart[-1])
+        inner = np.all(counts == np.vstack([counts[:1], counts[:-1]]), axis=1)
+        inner &= np.all(counts == np.vstack([counts[1:], counts[-1:]]), axis=1)
+        reach = 2.0 * np.maximum(left - apart, right - apart)
+        i = np.flatnonzero(inner & (apart < scale**2) & (apart <= left) & (apart <= right) & (apart < reach))
+        if not i.size:
+            continue
+
+        def height(V: Array, index: Array, kind: int = kind, i: Array = i, counts: Array = counts) -> Array:
+            found = values_at(V)
+            now = np.stack(unstable_counts(found, scale), axis=1)
+            square = _apart(found, scale)[:, kind]
+            return np.where(now[:, kind] < counts[i[index], kind], scale**2, -square)
+
+        V, peak = largest_between(height, mesh[np.maximum(i - 1, 0)], mesh[np.minimum(i + 1, len(mesh) - 1)])
+        V = np.setdiff1d(V[peak > 0.0], mesh)
+        place = np.searchsorted(mesh, V)
+        if V.size:
+            mesh, values = np.insert(mesh, place, V), np.insert(values, place, values_at(V), axis=0)
+            counts = np.stack(unstable_counts(values, scale), axis=1)
+    return mesh, values
+
+
+def _apart(values: Array, scale: float) -> Array:
+    """Squares (n_V, 2) of the lowest frequency of an unstable pair, and half the least gap of unstable reals."""
+    pair = (values.imag > 0.0) & (values.real > NEUTRAL * np.abs(values))
+    lowest = np.where(pair, values.imag, np.inf).min(axis=1)
+    real = (values.imag == 0.0) & (values.real > NEUTRAL * scale)
+    ordered = np.sort(np.where(real, values.real, np.nan), axis=1)
+    gaps = np.fmin.reduce(np.diff(ordered, axis=1), axis=1, initial=np.inf)
+    return np.asarray(np.minimum(np.stack([lowest, 0.5 * gaps], axis=1), scale) ** 2)
+
+
 def _isolated(values_at: Callable[[Array], Array], mesh: Array, values: Array, scale: float) -> tuple[Array, Array]:
     """Cells, no wider than NARROWEST, across which the counts of unstable roots differ."""
     counts = np.stack(unstable_counts(values, scale), axis=1)
@@ -212,28 +258,49 @@ def _isolated(values_at: Callable[[Array], Array], mesh: Array, values: Array, s
 
 
 def _crossings(
-    values_at: Callable[[Array], Array], low: Array, high: Array, counts: tuple[Array, Array], oscillatory: bool
+    values_at: Callable[[Array], Array],
+    low: Array,
+    high: Array,
+    counts: tuple[Array, Array],
+    oscillatory: bool,
+    scale: float,
 ) -> list[Boundary]:
-    """Zeros of the growth of each root of one kind that is unstable at one end of a cell only."""
+    """Zeros of the growth of each root of one kind that is unstable at one end of a cell only.
+
+    Where the growth does not change sign (a root leaves the neutral band without having crossed zero), or a
+    root at rest at zero hides the crossing of another, the edge of the neutral band is the boundary.
+    """
     cells = [
         (j, m) for j, (first, second) in enumerate(zip(*counts)) for m in range(min(first, second), max(first, second))
     ]
     if not cells:
         return []
     cell, number = np.array(cells).T
+    banded = np.zeros(len(cells), dtype=bool)
 
     def height(V: Array, index: Array) -> Array:
-        value = growth(values_at(V), oscillatory=oscillatory)
-        return np.take_along_axis(value, number[index][:, None], axis=1)[:, 0]
+        values = values_at(V)
+        sigma = growth(values, oscillatory=oscillatory)
+        value = np.take_along_axis(sigma, number[index][:, None], axis=1)[:, 0]
+        band = NEUTRAL * scale
+        if oscillatory:
+            same = (values.imag > 0.0) & (values.real == value[:, None])
+            band = NEUTRAL * np.where(same, np.abs(values), 0.0).max(axis=1)
+        return np.maximum(value - np.where(banded[index], band, 0.0), -scale)
+
+    def resting(V: Array) -> Array:
+        values = values_at(V)
+        return np.any((values.imag == 0.0) & (np.abs(values.real) <= NEUTRAL * scale), axis=1)
 
     low, high, every = low[cell], high[cell], np.arange(len(cell))
+    if not oscillatory:
+        banded |= resting(low) | resting(high)
+    banded |= height(low, every) * height(high, every) >= 0.0
     at_low, at_high = height(low, every), height(high, every)
-    clean = np.isfinite(at_low) & np.isfinite(at_high) & (at_low * at_high < 0.0)
-    cell, number, low, high, at_low, at_high = (v[clean] for v in (cell, number, low, high, at_low, at_high))
     V = bracketed_roots(height, low, high, at_low, at_high)
     kind: Kind = "oscillatory" if oscillatory else "real"
     found = []
-    for speed, values, opens in zip(V, values_at(V), at_low < 0.0):
+    for speed, values, opens in zip(V, values_at(V), at_low < at_high):
         member = values[values.imag > 0.0] if oscillatory else np.zeros(1, dtype=complex)
         root = 1j * member[np.argmin(np.abs(member.real))].imag
         found.append(Boundary(V=float(speed), kind=kind, opens=bool(opens), root=complex(root)))
