@@ -1,4 +1,4 @@
-"""Figures of flutter, statics and modes: a result goes in, a matplotlib figure comes out.
+"""Figures of flutter and statics (modes: mode_figures.py): a result goes in, a matplotlib figure comes out.
 
 Damping is drawn as the damping ratio zeta = -Re(lambda)/|lambda|, positive stable; a second scale holds the thesis'
 100 Re(lambda)/|lambda| in per cent, positive flutter, and each scale says which it is.
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from aeroservo.report.mode_figures import modes_figure, plot_modes
 from aeroservo.report.style import (
     UNSTABLE,
     as_bytes,
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
 
     from aeroservo.aeroelastic.flutter import FlutterResult
     from aeroservo.aeroelastic.static import StaticResult
-    from aeroservo.datatypes import ModalModel
-    from aeroservo.structure.modal import NaturalModes
 
 __all__ = [
     "as_bytes",
@@ -113,9 +112,9 @@ def plot_damping(result: FlutterResult, ax: Axes) -> None:
     limits = _damping_limits(result)
     ax.set_ylim(*limits)
     _say_off_scale(result, ax, limits)
-    ax.set_ylabel(r"damping ratio $\zeta=-\mathrm{Re}\,\lambda/|\lambda|$ (positive: stable)")
+    ax.set_ylabel(r"damping ratio $\zeta$ (positive: stable)")
     percent = ax.secondary_yaxis("right", functions=(_to_percent, _to_percent_back))
-    percent.set_ylabel(r"thesis: $+100\,\mathrm{Re}\,\lambda/|\lambda|$, % (positive: flutter)")
+    percent.set_ylabel(r"thesis: $100\,\mathrm{Re}\,\lambda/|\lambda|$, % (positive: flutter)")
 
 
 def _say_off_scale(result: FlutterResult, ax: Axes, limits: tuple[float, float]) -> None:
@@ -289,7 +288,7 @@ def plot_static(
         panel.set_ylabel(label)
         speed_axis(panel, result.V)
         if not finite(values):
-            past = result.divergence.V is not None and result.divergence.V <= result.V[0]
+            past = result.divergence.V is not None and bool(np.all(result.V >= result.divergence.V))
             nothing_to_show(panel, "every speed is past divergence" if past else f"this model has {lacks}")
             continue
         panel.plot(result.V, values, **style(j))
@@ -328,91 +327,6 @@ def static_figure(result: StaticResult, title: str, *, a_sound: float | None = N
         For `as_bytes` or `write_figure`.
     """
     return plot_static(result, title=title, a_sound=a_sound)
-
-
-def plot_modes(modes: ModalModel, natural: NaturalModes, *, title: str = "", most: int = 5) -> Figure:
-    """Deflection and twist along the span of each natural mode; bars of the coordinates where there is no span.
-
-    Parameters
-    ----------
-    modes : ModalModel
-        The structure.
-    natural : NaturalModes
-        Of `aeroservo.natural_modes`.
-    title : str
-        Above the figure.
-    most : int
-        Modes shown.
-
-    Returns
-    -------
-    figure : matplotlib Figure
-        For `as_bytes` or `write_figure`.
-    """
-    shown = min(most, len(natural.omega))
-    labels = [f"{literal(natural.names[j])}, {natural.omega[j] / (2.0 * np.pi):.4g} Hz" for j in range(shown)]
-    phi, grid = np.asarray(modes.phi), np.asarray(modes.grid)
-    if len(grid) < 3:
-        return _mode_bars(modes, natural, labels, title)
-    figure = new_figure(title, 1, 2, width=5.2)
-    axes: Any = figure.axes
-    order = np.argsort(grid[:, 1], kind="stable")
-    shapes = phi[order] @ natural.shapes[:, :shown]
-    y = grid[order, 1]
-    wide = float(np.ptp(y)) or 1.0
-    for j in range(shown):
-        deflection, twist = shapes[:, 2, j], shapes[:, 4, j]
-        largest = max(np.abs(deflection).max(), 0.25 * wide * np.abs(twist).max()) or 1.0
-        sign = np.sign(deflection[-1] if abs(deflection[-1]) > 1e-6 * largest else twist[-1]) or 1.0
-        for ax, part in zip(axes, (deflection, twist)):
-            ax.plot(y, sign * part / largest, label=labels[j], marker="." if len(y) < 16 else "", **style(j))
-    axes[0].set_ylabel("deflection up, m per m")
-    axes[1].set_ylabel("twist nose up, rad per m")
-    for ax in axes:
-        ax.axhline(0.0, color="black", linewidth=0.8)
-        ax.set_xlabel("spanwise position y, m")
-    shared_legend(figure)
-    return figure
-
-
-def _mode_bars(modes: ModalModel, natural: NaturalModes, labels: Sequence[str], title: str) -> Figure:
-    """Part of each coordinate in each mode."""
-    figure = new_figure(title, 1, 1, width=6.0)
-    ax: Any = figure.axes[0]
-    places, shown = np.arange(modes.n), len(labels)
-    for j, label in enumerate(labels):
-        ax.bar(
-            places + 0.8 * j / shown - 0.4, natural.shapes[:, j], 0.8 / shown, align="edge", label=label,
-            color=style(j)["color"],
-        )  # fmt: skip
-    units = getattr(modes, "units", None) or ("",) * modes.n
-    ax.set_xticks(places, [literal(f"{name} [{unit}]" if unit else name) for name, unit in zip(modes.names, units)])
-    ax.set_ylabel("part of each coordinate, largest 1")
-    ax.axhline(0.0, color="black", linewidth=0.8)
-    shared_legend(figure)
-    return figure
-
-
-def modes_figure(modes: ModalModel, natural: NaturalModes, title: str, *, most: int = 5) -> Figure:
-    """`plot_modes` with its title first.
-
-    Parameters
-    ----------
-    modes : ModalModel
-        The structure.
-    natural : NaturalModes
-        Of `aeroservo.natural_modes`.
-    title : str
-        Above the figure.
-    most : int
-        Modes shown.
-
-    Returns
-    -------
-    figure : matplotlib Figure
-        For `as_bytes` or `write_figure`.
-    """
-    return plot_modes(modes, natural, title=title, most=most)
 
 
 def _speeds(result: FlutterResult, ax: Any) -> None:

@@ -88,7 +88,7 @@ def literal(name: str) -> str:
     text : str
         Without markup.
     """
-    return name.replace("\\", "\\\\").replace("$", r"\$") if "$" in name else name
+    return name.replace("$", r"\$")
 
 
 def shared_legend(figure: Figure, *, columns: int | None = None) -> None:
@@ -164,16 +164,26 @@ def shade_unstable(ax: Axes, result: FlutterResult) -> None:
     result : FlutterResult
         Of `aeroservo.flutter`.
     """
+    looks: dict[str, dict[str, Any]] = {
+        "flutter": {"facecolor": UNSTABLE, "alpha": 0.13, "label": "unstable oscillation"},
+        "divergence": {"facecolor": "none", "edgecolor": "0.7", "hatch": "////", "label": "unstable real root"},
+    }
+    for kind, look in looks.items():
+        for start, end in _joined(result, kind):
+            ax.axvspan(start, end, linewidth=0.0, zorder=0, **look)
+
+
+def _joined(result: FlutterResult, kind: str) -> list[tuple[float, float]]:
+    """Unstable ranges of one kind; where several roots are unstable at once, one range."""
     first, last = float(result.V[0]), float(result.V[-1])
-    for interval in result.intervals:
-        ends = (first if interval.start is None else interval.start, last if interval.end is None else interval.end)
-        if interval.kind == "flutter":
-            ax.axvspan(*ends, facecolor=UNSTABLE, alpha=0.13, linewidth=0.0, zorder=0, label="unstable oscillation")
+    ranges: list[tuple[float, float]] = []
+    for i in sorted((i for i in result.intervals if i.kind == kind), key=lambda i: i.start or first):
+        start, end = first if i.start is None else i.start, last if i.end is None else i.end
+        if ranges and start <= ranges[-1][1]:
+            ranges[-1] = (ranges[-1][0], max(end, ranges[-1][1]))
         else:
-            ax.axvspan(
-                *ends, facecolor="none", edgecolor="0.7", hatch="////", linewidth=0.0, zorder=0,
-                label="unstable real root",
-            )  # fmt: skip
+            ranges.append((start, end))
+    return ranges
 
 
 def mark_mach_limit(ax: Axes, V: Any, a_sound: float | None) -> None:
