@@ -30,7 +30,7 @@ def helmbold_slope(aspect_ratio: ArrayLike, section_slope: ArrayLike = 2.0 * np.
 
     References
     ----------
-    Helmbold, Jahrbuch der deutschen Luftfahrtforschung, 1942, p. I 111.
+    Helmbold, Jahrbuch der deutschen Luftfahrtforschung, 1942, section I, p. 111.
 
     Examples
     --------
