@@ -10,6 +10,8 @@ from .aeroelastic.flutter import P as P
 from .aeroelastic.flutter import flutter as flutter
 from .aeroelastic.linear import linear_system as linear_system
 from .aeroelastic.static import StaticResult as StaticResult
+from .aeroelastic.static import divergence as divergence
+from .aeroelastic.static import reversal as reversal
 from .aeroelastic.static import static as static
 from .aircraft.files import ModelFileError as ModelFileError
 from .aircraft.files import new as new

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.io import loadmat
+from scipy.io import loadmat, savemat
 
 import aeroservo as av
 from aeroservo.aeroelastic.build import build
@@ -278,3 +278,62 @@ def test_goland_modes(cli: Cli) -> None:
     found = cli("modes", "goland", "--json").json
     wanted = [48.155425079, 95.719346893, 243.772143610, 347.614830280, 444.191989704]
     assert found["frequencies_rad_s"][:5] == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("ending", [".npz", ".mat"])
+def test_own_modes_and_air_forces(cli: Cli, tmp_path: Path, ending: str) -> None:
+    """Kind `modal`: the NASA section handed over as bare arrays flutters where the section does, by p-k, k and g."""
+    section = build(av.read("nasa-typical-section"), "theodorsen")
+    n = section.modes.n
+    k = np.linspace(0.0, 1.2, 241)
+    arrays: dict[str, Any] = {
+        "M": section.modes.M,
+        "K": section.modes.K,
+        "k": k,
+        "mach": np.zeros(1),
+        "Q": section.aero(k)[None, :, :, :n],
+        "b_m": section.aero.b,
+        "mode_names": np.array(section.modes.names),
+        "input_names": np.array(section.modes.names),
+    }
+    if ending == ".npz":
+        np.savez(tmp_path / "mine.npz", **arrays)
+    else:
+        names = np.array(list(section.modes.names), dtype=object)
+        savemat(tmp_path / "mine.mat", arrays | {"mode_names": names, "input_names": names})
+    path = tmp_path / "mine.toml"
+    path.write_text(f'kind = "modal"\n[modal]\ndata = "mine{ending}"\n', encoding="utf-8")
+    for method in ("pk", "k", "g"):
+        found = cli("flutter", path, "--density", "1.225", "--method", method, "--json", *SPEEDS).json
+        assert (found["model"], found["method"], found["aero"]) == ("mine", method, "own")
+        assert found["flutter_speed_m_s"] == pytest.approx(52.81036, rel=1e-5)
+        assert found["divergence_speed_m_s"] == pytest.approx(107.7630736, rel=1e-6)
+    assert cli("modes", path, "--json").json["frequencies_rad_s"] == pytest.approx([48.795, 111.803], rel=1e-4)
+    assert cli("check", path, "--json").json["derived"]["mode_names"] == ["plunge", "pitch"]
+    refused = cli("flutter", path, "--aero", "jones")
+    assert (refused.code, refused.out) == (2, "")
+    assert "mine" in refused.err
+
+
+def test_linearize_a_state_space(cli: Cli, tmp_path: Path) -> None:
+    """Kind `state_space` is handed through at the one condition where it holds; what needs an airspeed exits 2."""
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'kind = "state_space"\n[model]\nA = [[-1, 2], [0, -3]]\nB = [[0], [1]]\nC = [[1, 0]]\nD = [[0]]\n'
+        'states = ["a", "b"]\ninputs = ["u"]\noutputs = ["y"]\nspeed_m_s = 55\naltitude_m = 3048\n',
+        encoding="utf-8",
+    )
+    found = cli("linearize", path, "--json").json
+    assert found["A"] == [[-1.0, 2.0], [0.0, -3.0]]
+    assert found["states"] == ["a", "b"]
+    assert found["altitude_m"] == 3048.0
+    assert found["density_kg_m3"] == pytest.approx(0.904637, rel=1e-6)
+    assert cli("linearize", path, "--speed", "55", "--altitude", "3048", "--json").json == found
+    for options in (["--speed", "56"], ["--altitude", "0"], ["--density", "1.2"], ["--aero", "jones"]):
+        answer = cli("linearize", path, *options)
+        assert (answer.code, answer.out) == (2, "")
+        assert "mine" in answer.err
+    for command in ("flutter", "static", "modes"):
+        answer = cli(command, path)
+        assert (answer.code, answer.out) == (2, "")
+        assert "state_space" in answer.err

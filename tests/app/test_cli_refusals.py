@@ -182,6 +182,14 @@ def test_linearize_needs_a_speed(cli: Cli, speed: str) -> None:
     assert "speed" in answer.err
 
 
+@pytest.mark.parametrize("bound", ["0", "1", "nan", "-1"])
+def test_linearize_needs_a_bound(cli: Cli, bound: str) -> None:
+    """A bound of the fit that would let anything pass, or nothing."""
+    answer = cli("linearize", "nasa-typical-section", "--speed", "30", f"--fit-bound={bound}")
+    assert (answer.code, answer.out) == (2, "")
+    assert "--fit-bound" in answer.err
+
+
 def test_linearize_without_a_speed(cli: Cli) -> None:
     """--speed is required."""
     assert "--speed" in cli("linearize", "thesis-binary").err

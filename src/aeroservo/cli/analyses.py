@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +20,7 @@ from aeroservo.cli.options import (
     Model,
     Plot,
     Speeds,
+    checked_bound,
     checked_output,
     condition_of,
     sweep_of,
@@ -27,10 +28,11 @@ from aeroservo.cli.options import (
 from aeroservo.cli.output import heading, number, print_json, table, write, write_json
 
 if TYPE_CHECKING:
+    from aeroservo.aircraft.schema_other import StateSpaceFile
     from aeroservo.datatypes import LinearSystem
 
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the result, .json or .mat.")]
-Speed = Annotated[float, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
+Speed = Annotated[float | None, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
 
 
 def modes(model: Model, *, plot: Plot = None, as_json: Json = False) -> None:
@@ -131,7 +133,7 @@ def static(
 def linearize(
     model: Model,
     *,
-    speed: Speed,
+    speed: Speed = None,
     altitude: Altitude = None,
     density: Density = None,
     aero: Aero = None,
@@ -145,8 +147,8 @@ def linearize(
     ----------
     model : str
         Preset or path.
-    speed : float
-        True airspeed. [m/s]
+    speed : float, optional
+        True airspeed; only a state_space model brings its own. [m/s]
     altitude, density : float, optional
         Of the air. [m, kg/m^3]
     aero : AeroTheory, optional
@@ -157,13 +159,33 @@ def linearize(
         Where the matrices go.
     as_json : bool
         As JSON.
+
+    Raises
+    ------
+    ValueError
+        For bad input.
     """
     from aeroservo.aeroelastic.linear import linear_system
+    from aeroservo.aircraft.files import read
+    from aeroservo.aircraft.schema_other import StateSpaceFile
 
     checked_output(out, (".json", ".mat"), "--out")
-    file, built, notes = load(model, aero)
-    condition = condition_of(altitude, density, speed)
-    system = linear_system(rational(built, fit_bound), condition)
+    checked_bound(fit_bound)
+    file = read(model)
+    if isinstance(file, StateSpaceFile):
+        if aero is not None or density is not None:
+            raise ValueError(f"{file.name}: a state_space model has no --aero and no --density of its own choice")
+        speed, altitude = (
+            _at_its_own(file, "--speed", speed, "speed_m_s"),
+            _at_its_own(file, "--altitude", altitude, "altitude_m"),
+        )
+        system, condition, notes = _given(file), condition_of(altitude, None, speed), file.problems()
+    else:
+        if speed is None:
+            raise ValueError("linearize needs the airspeed: --speed M_S")
+        condition = condition_of(altitude, density, speed)
+        _, aeroelastic, notes = load(model, aero)
+        system = linear_system(rational(aeroelastic, fit_bound), condition)
     tell(notes)
     head = heading(file.name, altitude_of(altitude, density), float(condition.rho), notes)
     content = head | {
@@ -183,6 +205,25 @@ def linearize(
     typer.echo(f"{file.name}: {len(system.states)} states at {speed:g} m/s, {air(head)}")
     typer.echo(f"states   {', '.join(system.states)}\ninputs   {', '.join(system.inputs)}")
     typer.echo(f"outputs  {', '.join(system.outputs)}")
+
+
+def _at_its_own(file: StateSpaceFile, option: str, asked: float | None, field: str) -> float:
+    """The one speed or altitude at which a state_space model holds; any other is refused."""
+    holds = float(getattr(file.model, field))
+    if asked is not None and not math.isclose(asked, holds, rel_tol=1e-9, abs_tol=1e-9):
+        raise ValueError(
+            f"{file.name}: {option} {asked:g}: this model holds at model.{field} = {holds:g} and nowhere else"
+        )
+    return holds
+
+
+def _given(file: StateSpaceFile) -> LinearSystem:
+    """The system that a state_space file holds."""
+    from aeroservo.datatypes import LinearSystem
+
+    m = file.model
+    matrices: dict[str, Any] = {name: getattr(m, name) for name in "ABCD"}
+    return LinearSystem(**matrices, states=m.states, inputs=m.inputs, outputs=m.outputs)
 
 
 def _matlab(system: LinearSystem) -> bytes:

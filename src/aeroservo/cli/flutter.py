@@ -25,6 +25,7 @@ from aeroservo.cli.options import (
     Plot,
     Sensitivities,
     Speeds,
+    checked_bound,
     checked_output,
     condition_of,
     sweep_of,
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from aeroservo.aeroelastic.flutter import FlutterResult
     from aeroservo.aeroelastic.flutter import Method as RootMethod
     from aeroservo.aircraft.schema_base import FileModel
+
+#: Word for air forces that a file brings itself.
+_OWN = {"pitch_plunge_flap": "derivatives"}
 
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the result, .json.")]
 
@@ -182,11 +186,10 @@ def _choice(
 
     default = DEFAULTS[file.kind]
     usual = "pk" if aero in SAMPLED else default.method
-    if not 0.0 < fit_bound < 1.0:
-        raise ValueError(f"--fit-bound must be greater than 0 and less than 1 [-], got {fit_bound:g}")
+    checked_bound(fit_bound)
     chosen = method.value if method else usual
     methods: dict[str, RootMethod] = {"p": P(fit_bound=fit_bound), "pk": PK(), "k": K(), "g": G()}
-    return aero.value if aero else default.aero or "own", methods[chosen]
+    return aero.value if aero else default.aero or _OWN.get(file.kind, "own"), methods[chosen]
 
 
 def _print_flutter(content: dict[str, Any]) -> None:

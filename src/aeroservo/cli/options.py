@@ -185,6 +185,23 @@ def grid(low: float, high: float, step: float) -> list[float]:
     return values
 
 
+def checked_bound(bound: float) -> None:
+    """Refuse a bound of the rational fit that is no part.
+
+    Parameters
+    ----------
+    bound : float
+        The option `--fit-bound`. [-]
+
+    Raises
+    ------
+    ValueError
+        Unless it lies between 0 and 1.
+    """
+    if not 0.0 < bound < 1.0:
+        raise ValueError(f"--fit-bound must be greater than 0 and less than 1 [-], got {bound:g}")
+
+
 def checked_output(path: Path | None, endings: tuple[str, ...], option: str) -> None:
     """Refuse an output file before any work is done for it.
 
