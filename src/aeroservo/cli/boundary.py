@@ -51,6 +51,11 @@ def run_boundary(
         Result, and figure. While the sweep runs, its points are kept in OUT.part.
     as_json : bool
         As JSON.
+
+    Raises
+    ------
+    ValueError
+        For bad input.
     """
     from aeroservo.studies.boundary import boundary_problems, flutter_boundary
 

@@ -11,8 +11,6 @@ from aeroservo.cli.output import complain, not_yet, write
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from matplotlib.figure import Figure
-
     from aeroservo.aircraft.schema_base import FileModel
     from aeroservo.datatypes import AeroelasticModel
 
@@ -194,7 +192,7 @@ def air(head: dict[str, Any]) -> str:
     return density if altitude is None else f"{altitude:g} m ({density})"
 
 
-def draw(path: Path, figure: Figure) -> None:
+def draw(path: Path, figure: Any) -> None:
     """Write a figure, whole or not at all.
 
     Parameters
