@@ -39,10 +39,15 @@ class Branches:
     names: tuple[str, ...]
     primary: Array
 
-    def name_at(self, V: float, root: complex) -> str:
-        """Name of the branch nearest to a root at a speed."""
-        distance = np.abs(self.roots[int(np.argmin(np.abs(self.V - V)))] - root)
-        return self.names[int(np.nanargmin(distance))]
+    def name_at(self, V: float, root: complex, *, meeting: bool = False) -> str:
+        """Name of the branch at a root; of two that share a pair or meet there, a mode before a lag."""
+        row = self.roots[int(np.argmin(np.abs(self.V - V)))]
+        distance = np.where(np.isfinite(row), np.abs(row - root), np.inf)
+        mirrored = np.where(np.isfinite(row), np.abs(row - np.conj(root)), np.inf)
+        candidates = [int(np.argmin(distance)), int(np.argmin(mirrored))]
+        if meeting:
+            candidates = [int(j) for j in np.argsort(distance, kind="stable")[:2]]
+        return self.names[min(candidates, key=lambda j: (self.names[j].startswith("lag "), j))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,33 +193,34 @@ def unstable_intervals(
     for root, name in zip(row, branches.names):
         pairs, reals = unstable_counts(np.array([[root]]), scale)
         if pairs[0] or reals[0]:
-            kind = "flutter" if pairs[0] else "divergence"
+            kind, name = ("flutter", branches.name_at(first_speed, root)) if pairs[0] else ("divergence", name)
             open_.append({"start": None, "frequency": float(root.imag), "mode": name, "kind": kind, "roots": 1})
 
-    def close(kind: str, change: Boundary, name: str, roots: int) -> None:
+    def close(kind: str, change: Boundary, name: str) -> None:
         candidates = [i for i in open_ if i["kind"] == kind]
         if not candidates:
             return
         interval = min(candidates, key=lambda i: (i["mode"] != name, abs(i["frequency"] - change.root.imag)))
-        interval["roots"] -= roots
-        if interval["roots"] <= 0:
+        interval["roots"] -= 1
+        if interval["roots"] == 0:
             open_.remove(interval)
             closed.append({**interval, "end": change.V})
 
     for change in changes:
-        name = branches.name_at(change.V, change.root)
+        name = branches.name_at(change.V, change.root, meeting=change.kind in ("split", "merge"))
         opening = {"start": change.V, "frequency": float(change.root.imag), "mode": name, "roots": 1}
         if change.kind in ("oscillatory", "real"):
             kind = "flutter" if change.kind == "oscillatory" else "divergence"
             if change.opens:
                 open_.append({**opening, "kind": kind})
             else:
-                close(kind, change, name, 1)
+                close(kind, change, name)
         elif change.kind == "split":
-            close("flutter", change, name, 1)
+            close("flutter", change, name)
             open_.append({**opening, "kind": "divergence", "roots": 2})
         else:
-            close("divergence", change, name, 2)
+            close("divergence", change, name)
+            close("divergence", change, name)
             open_.append({**opening, "kind": "flutter"})
     every = closed + [{**interval, "end": None} for interval in open_]
     every.sort(key=lambda i: (-1.0 if i["start"] is None else i["start"], i["kind"] != "flutter"))

@@ -59,20 +59,66 @@ def steps_between(values: Array) -> tuple[Array, Array]:
 
 
 def _assignment(left: Array, right: Array) -> Array:
-    """Least total movement; real roots, which cannot pass each other, keep their order."""
+    """Least total movement; real roots, which cannot pass each other, keep their order.
+
+    Where a pair became two real roots, they are neighbours, and its upper half goes on as the larger; the reverse
+    where two real roots became a pair.
+    """
+    if np.sum(left.imag > 0.0) < np.sum(right.imag > 0.0):
+        step = np.empty(len(left), dtype=int)
+        step[_assignment(right, left)] = np.arange(len(left))
+        return step
+    upper_left, upper_right = np.flatnonzero(left.imag > 0.0), np.flatnonzero(right.imag > 0.0)
+    real_left, real_right = (np.flatnonzero(x.imag == 0.0) for x in (left, right))
+    real_left, real_right = (
+        real_left[np.argsort(-left[real_left].real)],
+        real_right[np.argsort(-right[real_right].real)],
+    )
+    movement = np.abs(left[upper_left][:, None] - right[upper_right][None, :])
+    places = [(i, j) for i in range(len(upper_left)) for j in range(len(real_right) - 1)]
+    if len(upper_left) == len(upper_right):
+        chosen, pairs = None, _least(movement)
+    elif len(upper_left) == len(upper_right) + 1 and places:
+        costs = []
+        for i, j in places:
+            rows, columns = _least(np.delete(movement, i, axis=0))
+            others = np.abs(left[real_left] - right[np.delete(real_right, [j, j + 1])])
+            met = np.abs(left[upper_left[i]] - right[real_right[[j, j + 1]]])
+            costs.append(np.delete(movement, i, axis=0)[rows, columns].sum() + 0.5 * (met.sum() + others.sum()))
+        chosen = places[int(np.argmin(costs))]
+        rows, columns = _least(np.delete(movement, chosen[0], axis=0))
+        pairs = np.delete(np.arange(len(upper_left)), chosen[0])[rows], columns
+    else:  # several at once: a finer mesh will tell
+        rows, columns = _least(np.abs(left[:, None] - right[None, :]))
+        return columns[np.argsort(rows)]
+    step = np.empty(len(left), dtype=int)
+    for half in (1.0, -1.0):
+        left_half, right_half = (_halves(x, u, half) for x, u in ((left, upper_left), (right, upper_right)))
+        step[left_half[pairs[0]]] = right_half[pairs[1]]
+    if chosen is not None:
+        i, j = chosen
+        step[upper_left[i]], step[_halves(left, upper_left, -1.0)[i]] = real_right[j], real_right[j + 1]
+        real_right = np.delete(real_right, [j, j + 1])
+    step[real_left] = real_right
+    return step
+
+
+def _least(movement: Array) -> tuple[Array, Array]:
+    """Rows and columns of the assignment of least total movement."""
     from scipy.optimize import linear_sum_assignment
 
-    step = np.zeros(len(left), dtype=int)
-    complex_left, complex_right = np.flatnonzero(left.imag != 0.0), np.flatnonzero(right.imag != 0.0)
-    if len(complex_left) != len(complex_right):
-        rows, columns = linear_sum_assignment(np.abs(left[:, None] - right[None, :]))
-        step[rows] = columns
-        return step
-    rows, columns = linear_sum_assignment(np.abs(left[complex_left][:, None] - right[complex_right][None, :]))
-    step[complex_left[rows]] = complex_right[columns]
-    real_left, real_right = np.flatnonzero(left.imag == 0.0), np.flatnonzero(right.imag == 0.0)
-    step[real_left[np.argsort(left[real_left].real)]] = real_right[np.argsort(right[real_right].real)]
-    return step
+    rows, columns = linear_sum_assignment(movement)
+    return rows, columns
+
+
+def _halves(values: Array, upper: Array, half: float) -> Array:
+    """Indices of the upper halves of pairs, or of their conjugates."""
+    if half > 0.0:
+        return upper
+    lower = np.flatnonzero(values.imag < 0.0)
+    distance = np.abs(values[upper].conj()[:, None] - values[lower][None, :])
+    rows, columns = _least(distance)
+    return np.asarray(lower[columns[np.argsort(rows)]], dtype=int)
 
 
 def follow(values: Array, steps: Array) -> Array:
