@@ -112,6 +112,8 @@ def test_valid_models_of_each_kind(make: Any) -> None:
     ("make", "path", "value", "words"),
     [
         (section, "section.chord_m", -0.6, ["section.chord_m = -0.6", "greater than 0", "[m]"]),
+        (section, "section.chord_m", 1e-300, ["section.chord_m = 1e-300", "greater than 0 (at least 1e-15)"]),
+        (wing, "wing.pitch_stiffness_N_m", 1e-200, ["pitch_stiffness_N_m = 1e-200", "greater than 0"]),
         (section, "section.chord_m", None, ["section.chord_m is missing", "[m]"]),
         (section, "section.mass_kg_per_m", -36.0, ["section.mass_kg_per_m = -36.0", "greater than 0", "[kg/m]"]),
         (section, "section.flexural_axis", 1.3, ["section.flexural_axis = 1.3", "at least 0 and at most 1"]),

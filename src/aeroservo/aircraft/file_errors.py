@@ -10,6 +10,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from aeroservo.aircraft.schema_base import TINY
+
 _MOST = 8  # findings in one message
 
 
@@ -164,7 +166,8 @@ def allowed(field: FieldInfo) -> str:
     """
     words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
     limits = [(words[key], getattr(rule, key)) for rule in field.metadata for key in words if hasattr(rule, key)]
-    return " and ".join(f"{word} {value:g}" for word, value in limits)
+    tiny = f"at least {TINY:g}"
+    return " and ".join(f"{word} {value:g}" for word, value in limits).replace(tiny, f"greater than 0 ({tiny})")
 
 
 def _follows(finding: Any, error: ValidationError) -> bool:

@@ -14,6 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, field_validator, mode
 SCHEMA_VERSION = 1
 #: Largest magnitude that any physical number in a file may have, in its own unit.
 HUGE = 1.0e15
+#: Smallest positive number accepted where a number must be positive: below it rounding, not physics, decides.
+TINY = 1.0e-15
 #: Longest length accepted. [m]
 LONGEST = 1.0e5
 
@@ -46,7 +48,8 @@ def quantity(
     default : optional
         Value where the file leaves it out; required if not given. [unit]
     gt, ge, lt, le : float, optional
-        The range: greater than, at least, less than, at most. A side left out is limited to `HUGE`. [unit]
+        The range: greater than (0: at least `TINY`), at least, less than, at most. A side left out is limited to
+        `HUGE`. [unit]
 
     Returns
     -------
@@ -64,6 +67,8 @@ def quantity(
     """
     if gt is None and ge is None:
         ge = -HUGE
+    if gt == 0.0:
+        gt, ge = None, TINY
     if lt is None and le is None:
         le = HUGE
     return Field(default, description=f"{text} [{unit}]", gt=gt, ge=ge, lt=lt, le=le)
