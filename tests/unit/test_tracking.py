@@ -65,6 +65,15 @@ def test_missing_roots_are_matched_with_missing_roots():
     assert step.tolist() == [[3, 2, 1, 0]]
 
 
+def test_roots_without_conjugates_are_followed_too():
+    # the k method's: one root a mode, nan where there is none
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        values = rng.normal(size=(2, 4)) + 1j * rng.uniform(0.1, 3.0, (2, 4))
+        values[0, rng.integers(4)] = np.nan
+        assert sorted(steps_between(values)[0][0]) == [0, 1, 2, 3]
+
+
 def test_mesh_is_refined_until_roots_that_pass_closely_are_told_apart():
     def values_at(V):  # avoided crossing at V = 0.53, frequencies 0.002 apart
         half = np.sqrt((V - 0.53) ** 2 + 1e-6)

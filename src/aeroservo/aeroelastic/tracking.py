@@ -62,8 +62,11 @@ def _assignment(left: Array, right: Array) -> Array:
     """Least total movement; real roots, which cannot pass each other, keep their order.
 
     Where a pair became two real roots, they are neighbours, and its upper half goes on as the larger; the reverse
-    where two real roots became a pair.
+    where two real roots became a pair. Roots that are not closed under conjugation (the k method's) just move least.
     """
+    if any(np.sum(x.imag > 0.0) != np.sum(x.imag < 0.0) for x in (left, right)):
+        rows, columns = _least(np.abs(left[:, None] - right[None, :]))
+        return columns[np.argsort(rows)]
     if np.sum(left.imag > 0.0) < np.sum(right.imag > 0.0):
         step = np.empty(len(left), dtype=int)
         step[_assignment(right, left)] = np.arange(len(left))
