@@ -21,8 +21,9 @@ from aeroservo.aero.airfoil_files import airfoil
 from aeroservo.aero.polars_xfoil import Xfoil, xfoil_points
 
 HINGE = 0.75
+OPTIONS = Xfoil(alpha_to=float(np.radians(16.0)), seconds=120.0)
 DEFLECTIONS_DEG = np.arange(-10.0, 15.1, 2.5)
-REYNOLDS = (0.5e6, 0.75e6, 1.0e6, 1.5e6, 2.0e6, 2.5e6)
+REYNOLDS = (0.5e6, 1.0e6, 1.5e6, 2.5e6)
 SOURCE = "XFOIL 6.99, Ncrit 9, free transition, incompressible, MH 62, control over the last 25 % of the chord"
 
 
@@ -46,7 +47,7 @@ def table(kind: str) -> list[str]:
 
     def points(job: tuple[float, float]) -> np.ndarray:
         re, d = job
-        return xfoil_points(outline(kind, d), re, options=Xfoil(seconds=120.0), cache=False)
+        return xfoil_points(outline(kind, d), re, options=OPTIONS, cache=False)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         for (re, d), rows in zip(jobs, pool.map(points, jobs)):
