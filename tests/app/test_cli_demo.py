@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
-from aeroservo.report import figures
+from aeroservo.report import demo
 from aeroservo.studies import thesis
 
 Cli = Callable[..., Any]
@@ -19,47 +18,30 @@ Cli = Callable[..., Any]
 
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few speeds, for flutter speeds are refined whatever the step; and all figures but two left blank."""
+    """Few speeds and few k: flutter speeds are refined whatever the step."""
     real = thesis.thesis_study
 
-    def few(*, progress: Callable[[str], None]) -> thesis.ThesisStudy:
+    def few(*, progress: Callable[[str], None] | None = None) -> thesis.ThesisStudy:
         return real(speeds=np.arange(10.0, 130.0, 10.0), k=np.geomspace(0.3, 0.6, 5), progress=progress)
 
-    monkeypatch.setattr(thesis, "thesis_study", few)
-    draw, drawn = figures.flutter_figure, []
-
-    def sketch(result: Any, title: str) -> Figure:
-        drawn.append(title)
-        return draw(result, title) if len(drawn) <= 2 else Figure(figsize=(1.0, 1.0))
-
-    monkeypatch.setattr(figures, "flutter_figure", sketch)
+    monkeypatch.setattr(demo, "thesis_study", few)
 
 
 @pytest.mark.usefixtures("coarse")
 def test_demo(cli: Cli, tmp_path: Path) -> None:
-    """Both tables, each number with its difference and reason; figures are written where they are announced."""
+    """Both tables on stdout, each printed speed with ours; figures and a page where it says they are."""
     folder = tmp_path / "new" / "folder"
     answer = cli("demo", "--out", folder)
     assert answer.code == 0, answer.err
-    lines = answer.out.splitlines()
-    for words in (
-        ("binary, quasi", "flutter", "49", "49.16", "+0.16"),
-        ("binary, quasi", "flutter", "56", "56.77", "+0.77"),
-        ("binary, unsteady", "flutter", "54", "62.12", "+8.12"),
-        ("aircraft, quasi", "flutter", "49", "48.17", "-0.83"),
-        ("aircraft, unsteady", "flutter", "40", "41.01", "+1.01"),
-        ("binary, quasi", "divergence", "94", "94.26", "+0.26"),
-        ("binary, quasi", "reversal", "55", "55.00", "+0.00"),
-    ):
-        assert any(all(word in line for word in words) for line in lines), words
+    for ours in ("49.16", "56.77", "62.12", "70.50", "48.17", "55.35", "41.01", "46.83", "94.26", "64.00"):
+        assert ours in answer.out
     assert "inferred" in answer.out
-    written = sorted(folder.iterdir())
-    assert len(written) >= 14
-    assert f"{len(written)} figures" in answer.out
-    for path in written:
-        assert path.read_bytes().startswith(b"\x89PNG")
-        assert str(path) in answer.err
-    assert str(folder / "thesis-binary_quasi-steady_0-m.png") in answer.out
+    assert str(folder) in answer.out.replace("\n", "")
+    written = [path for path in folder.rglob("*") if path.is_file()]
+    assert not [path for path in written if path.name.endswith(".tmp")]
+    pictures = [path for path in written if path.suffix == ".png"]
+    assert len(pictures) >= 4
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
 
 
 def test_demo_needs_a_folder(cli: Cli, tmp_path: Path) -> None:
