@@ -96,6 +96,14 @@ def test_root_that_leaves_the_neutral_band_without_crossing_zero_is_no_less_unst
     assert speeds == pytest.approx([(2.0 * NEUTRAL / 1e-10) ** (1 / 3)], rel=1e-6)
 
 
+def test_root_that_appears_already_unstable_crosses_nothing():
+    # p-k and g have roots that come and go: an unstable one that appears is no flutter boundary
+    def values_at(V):
+        return np.where((V > 3.3)[:, None], pair(0.3 + 0.0 * V, 2.0), np.nan)
+
+    assert search(values_at, [1.0, 2.0, 4.0, 5.0]) == []
+
+
 def test_order_of_roots_does_not_matter():
     rng = np.random.default_rng(5)
 

@@ -23,6 +23,9 @@ Kind = Literal["oscillatory", "real", "split", "merge"]
 NEUTRAL = 1e-9
 """Growth below this part of |s| (of the frequency scale for a real root) counts as neutral."""
 
+CROSSES = 1e-6
+"""Growth below this part of the frequency scale, where a boundary was refined to, is a crossing of zero."""
+
 NARROWEST = 1e-4
 """Two boundaries closer than this part of the speed may be seen as one or none."""
 
@@ -300,7 +303,9 @@ def _crossings(
     V = bracketed_roots(height, low, high, at_low, at_high)
     kind: Kind = "oscillatory" if oscillatory else "real"
     found = []
-    for speed, values, opens in zip(V, values_at(V), at_low < at_high):
+    passes = np.abs(height(V, every)) <= CROSSES * scale  # else a root that came or went where it was
+    for speed, opens in zip(V[passes], (at_low < at_high)[passes]):
+        values = values_at(np.array([speed]))[0]
         member = values[values.imag > 0.0] if oscillatory else np.zeros(1, dtype=complex)
         root = 1j * member[np.argmin(np.abs(member.real))].imag
         found.append(Boundary(V=float(speed), kind=kind, opens=bool(opens), root=complex(root)))
