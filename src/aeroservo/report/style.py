@@ -26,6 +26,9 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 LINES = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
 UNSTABLE = "#D55E00"
 MARK = "0.25"
+RESOLUTION = 150.0
+"""Of PNG files. [1/inch]"""
+
 MACH_LIMIT = 0.3
 """Above this Mach number incompressible theory is drawn as beyond its limit."""
 
@@ -200,7 +203,7 @@ def mark_mach_limit(ax: Axes, V: Any, a_sound: float | None) -> None:
     """
     if a_sound is not None and V[0] < MACH_LIMIT * a_sound < V[-1]:
         ax.axvline(
-            MACH_LIMIT * a_sound, color="#CC79A7", linestyle=(0, (4, 4)), linewidth=1.3,
+            MACH_LIMIT * a_sound, color="0.55", linestyle=(0, (4, 4)), linewidth=1.3,
             label="Mach 0.3: beyond it incompressible theory errs",
         )  # fmt: skip
 
@@ -258,9 +261,19 @@ def as_bytes(figure: Figure, ending: str) -> bytes:
     kind = ending.lower().lstrip(".")
     if kind not in ("png", "pdf"):
         raise ValueError(f"figures end in .png or .pdf, got {ending!r}")
-    file = BytesIO()
-    metadata: dict[str, Any] = {"CreationDate": None} if kind == "pdf" else {"Software": None}
-    figure.savefig(file, format=kind, dpi=150, metadata=metadata)
+    file, dpi = BytesIO(), figure.dpi
+    try:  # the canvases themselves: Figure.savefig draws everything twice
+        if kind == "png":
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+            figure.dpi = RESOLUTION
+            FigureCanvasAgg(figure).print_png(file, metadata={"Software": None})
+        else:
+            from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+            FigureCanvasPdf(figure).print_pdf(file, metadata={"CreationDate": None})
+    finally:
+        figure.dpi = dpi
     return file.getvalue()
 
 

@@ -87,14 +87,14 @@ def plot_response_against_speed(static: StaticResult, flutter: FlutterResult, *,
 def _twist_per_cent(static: StaticResult) -> tuple[Any, Any, str]:
     """Speeds, twist in per cent of the largest drawn, and which that is."""
     V_D, known = static.divergence.V, np.isfinite(static.twist)
-    if V_D is None or NEAR_DIVERGENCE * V_D > static.V[-1] or not np.any(known):
+    if V_D is None or static.V[-1] < NEAR_DIVERGENCE * V_D or not np.any(known):
         largest = np.nanmax(np.abs(static.twist)) if np.any(known) else np.nan
         return static.V, 100.0 * static.twist / largest, f"{static.V[-1]:g} m/s"
     end = NEAR_DIVERGENCE * V_D
     pole = 1.0 - (static.V[known] / V_D) ** 2  # twist times this is smooth up to divergence
     largest = np.interp(end, static.V[known], static.twist[known] * pole) / (1.0 - NEAR_DIVERGENCE**2)
-    below = static.V < end
-    V, twist = np.append(static.V[below], end), np.append(static.twist[below], largest)
+    n = int(np.searchsorted(static.V, end))
+    V, twist = np.append(static.V[:n], end), np.append(static.twist[:n], largest)
     return V, 100.0 * twist / largest, f"{NEAR_DIVERGENCE:g} of the divergence speed"
 
 

@@ -329,11 +329,11 @@ def _rows(altitude: float, runs: list[Run]) -> Iterator[Row]:
         mine = [run for run in runs if (run.model, run.altitude) == (model, altitude)]
         for run in mine:
             column: Column = "quasi" if run.theory == "quasi_steady_damped" else "unsteady"
-            theory = "quasi-steady, M_thetadot" if column == "quasi" else f"Theodorsen, {run.slope}"
+            theory = "quasi-steady" if column == "quasi" else f"Theodorsen {run.slope}"
             yield _row(run, column, "flutter", theory, run.flutter.flutter_speed)
         for quantity, speed in (("divergence", mine[0].static.divergence.V), ("reversal", mine[0].static.reversal.V)):
             for column in ("quasi", "unsteady"):
-                yield _row(mine[0], column, quantity, "statics, a_w", speed)  # type: ignore[arg-type]
+                yield _row(mine[0], column, quantity, "statics", speed)  # type: ignore[arg-type]
 
 
 def _row(run: Run, column: Column, quantity: Quantity, theory: str, computed: float | None) -> Row:
@@ -355,13 +355,11 @@ def _reason(run: Run, column: Column, quantity: Quantity) -> str:
     """Why ours and the thesis' number differ or agree."""
     high = run.altitude > 0.0
     if quantity == "flutter" and column == "unsteady":
-        k = run.reduced_frequency
-        own = "no flutter in the range" if k is None else f"k = {k:.3f} at flutter"
-        return f"ours is consistent ({own}); the thesis held its derivatives at one k it does not name"
+        return "ours is consistent (p-k); the thesis held its derivatives at one k that it does not name: see k below"
     if quantity == "flutter" and run.model == "binary":
         return f"x_f/c was inferred from 49 and 56 m/s{'; the thesis seems to cut 56.8 to 56' if high else ''}"
     if quantity == "flutter":
-        return "not fitted: the binary wing's parameters with heave and no centre mass, which the thesis does not give"
+        return "not fitted: the binary wing's inputs with heave; the thesis' centre mass is unknown, ours is 0"
     if quantity == "divergence":
         return "follows from sea level by density" if high else "e a_w was inferred from this number"
     return "follows from sea level by density" if high else "b_c/a_c was inferred from this number"
