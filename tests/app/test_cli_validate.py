@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -34,7 +35,7 @@ def test_validate_for_people(cli: Cli) -> None:
     """The table says how many pass, and names its sources."""
     answer = cli("validate", "typical_section")
     assert answer.code == 0
-    assert "6 of 6 pass" in answer.out
+    assert re.search(r"\b(\d+) of \1 pass", answer.out)
     assert "NASA/TP-2015-218765" in answer.out
 
 

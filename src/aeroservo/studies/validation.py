@@ -1,16 +1,20 @@
 """The published cases, re-run: what `aeroservo validate` prints.
 
 A case is a folder of `aeroservo/cases` with a `runs.toml`: which model, which analysis with which options, which
-quantity against which reference. A new case is such a folder and no code.
+quantity against which reference; or which function with which arguments (`case_calls`). Long references may lie in a
+`reference.json` beside it ("@key"). A new case is such a folder and no code.
 """
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from aeroservo.studies.case_calls import evaluated, part
 
 if TYPE_CHECKING:
     from aeroservo.datatypes import AeroelasticModel, FlightCondition
@@ -26,9 +30,12 @@ _RUN_KEYS = {
     "density_kg_m3",
     "speeds_m_s",
     "change",
+    "call",
+    "arguments",
     "check",
 }
 _CHECK_KEYS = {"quantity", "reference", "relative", "absolute"}
+_CALL_CHECK_KEYS = _CHECK_KEYS | {"of", "index", "power"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,15 +112,17 @@ def validate(case: str | None = None, *, progress: Callable[[str], None] | None 
     found: list[Check] = []
     for name in cases() if case is None else (case,):
         content = tomllib.loads((CASES / name / "runs.toml").read_text(encoding="utf-8"))
+        stored = CASES / name / "reference.json"
+        data = json.loads(stored.read_text(encoding="utf-8")) if stored.exists() else {}
         for run in content["run"]:
             label = f"{name}: {run['what']}"
             if progress is not None:
                 progress(label)
-            found += checked(label, run, content["citation"])
+            found += checked(label, run, content["citation"], data)
     return tuple(found)
 
 
-def checked(label: str, run: dict[str, Any], citation: str) -> list[Check]:
+def checked(label: str, run: dict[str, Any], citation: str, data: dict[str, Any]) -> list[Check]:
     """Carry out one run of a case file and compare.
 
     Parameters
@@ -124,30 +133,36 @@ def checked(label: str, run: dict[str, Any], citation: str) -> list[Check]:
         A `[[run]]` table.
     citation : str
         Source of the references.
+    data : dict
+        The case's `reference.json`; empty where it has none.
 
     Returns
     -------
     checks : list of Check
-        One for each `[[run.check]]`.
+        One for each `[[run.check]]`; of a column of numbers, the one that is farthest off for its tolerance.
 
     Raises
     ------
     ValueError
-        If the table has a key that means nothing.
+        If the table has a key that means nothing, or a column has the wrong length.
     """
-    strangers = (set(run) - _RUN_KEYS) | {key for check in run["check"] for key in set(check) - _CHECK_KEYS}
+    known = _CALL_CHECK_KEYS if run["analysis"] == "call" else _CHECK_KEYS
+    strangers = (set(run) - _RUN_KEYS) | {key for check in run["check"] for key in set(check) - known}
     if strangers:
         raise ValueError(f"{label}: unknown keys {sorted(strangers)}")
-    quantities = _ANALYSES[run["analysis"]](run)
+    if run["analysis"] == "call":
+        answer = evaluated({"call": run["call"], "arguments": run.get("arguments", {})}, data)
+        pairs = [_compared(label, answer, check, data) for check in run["check"]]
+    else:
+        quantities = _ANALYSES[run["analysis"]](run)
+        pairs = [(quantities[check["quantity"]], float(check["reference"]), "") for check in run["check"]]
     checks = []
-    for check in run["check"]:
-        reference = float(check["reference"])
+    for check, (result, reference, which) in zip(run["check"], pairs):
         tolerance = check["absolute"] if "absolute" in check else check["relative"] * abs(reference)
-        result = quantities[check["quantity"]]
         checks.append(
             Check(
                 name=label,
-                quantity=check["quantity"],
+                quantity=check["quantity"] + which,
                 reference=reference,
                 result=None if result is None else float(result),
                 tolerance=float(tolerance),
@@ -157,6 +172,25 @@ def checked(label: str, run: dict[str, Any], citation: str) -> list[Check]:
     return checks
 
 
+def _compared(label: str, answer: Any, check: dict[str, Any], data: dict[str, Any]) -> tuple[float, float, str]:
+    """Result and reference of a check on a call, and which of how many they are."""
+    import numpy as np
+
+    result = np.asarray(part(answer, check.get("of", "")), dtype=float)
+    result = (result[check["index"]] if "index" in check else result) ** check.get("power", 1.0)
+    reference = np.asarray(evaluated(check["reference"], data), dtype=float)
+    if result.shape != reference.shape:
+        raise ValueError(f"{label}: {check['quantity']} has shape {result.shape}, its reference {reference.shape}")
+    if reference.ndim == 0:
+        return float(result), float(reference), ""
+    tolerance = (
+        np.full(reference.shape, check["absolute"]) if "absolute" in check else check["relative"] * np.abs(reference)
+    )
+    excess = np.abs(result - reference) / tolerance
+    worst = int(np.argmax(np.where(np.isfinite(excess), excess, np.inf)))
+    return float(result.flat[worst]), float(reference.flat[worst]), f" (number {worst + 1}, the worst of {result.size})"
+
+
 def _flutter(run: dict[str, Any]) -> dict[str, Any]:
     from aeroservo.aeroelastic.build import DEFAULTS
     from aeroservo.aeroelastic.flutter import PK, G, K, P, flutter
@@ -164,11 +198,15 @@ def _flutter(run: dict[str, Any]) -> dict[str, Any]:
 
     methods: dict[str, P | PK | K | G] = {"p": P(), "pk": PK(), "k": K(), "g": G()}
     method = methods[run.get("method") or DEFAULTS[read(run["model"]).kind].method]
-    result = flutter(_model(run), _sweep(run), method)
+    model = _model(run)
+    result = flutter(model, _sweep(run), method)
+    V, omega = result.flutter_speed, result.flutter_frequency
     intervals = {f"unstable_from_m_s[{i}]": interval.start for i, interval in enumerate(result.intervals)}
+    intervals |= {f"unstable_to_m_s[{i}]": interval.end for i, interval in enumerate(result.intervals)}
     return intervals | {
-        "flutter_speed_m_s": result.flutter_speed,
-        "flutter_frequency_rad_s": result.flutter_frequency,
+        "flutter_speed_m_s": V,
+        "flutter_frequency_rad_s": omega,
+        "flutter_reduced_frequency": None if V is None or omega is None else omega * model.aero.b / V,
         "divergence_speed_m_s": result.divergence_speed,
         "first_real_instability_m_s": result.first_real_instability,
     }
