@@ -2,8 +2,8 @@
 
 What is read: reference quantities, surfaces with sections, duplicates across y = 0, scale, translation and incidence,
 NACA and file airfoils, controls. What has no meaning here (bodies, drag polars, design variables, spacings) is left
-out, and the notes say so. A control is deflected streamwise here and about its hinge line in AVL: a hinge swept by L makes
-AVL's derivatives smaller by cos L.
+out, and the notes say so. A control is deflected streamwise here and about its hinge line in AVL: a hinge swept by L
+makes AVL's derivatives smaller by cos L.
 """
 
 from __future__ import annotations
