@@ -114,3 +114,10 @@ def test_order_of_roots_does_not_matter():
     kinds, speeds = summary(search(values_at, np.linspace(1.0, 6.0, 6), 5.0))
     assert kinds == [("oscillatory", True), ("oscillatory", False), ("real", True)]
     np.testing.assert_allclose(speeds, [3.3, 4.1, 4.47], rtol=REFINED)
+
+
+def test_shallow_crossing_is_refined_past_the_neutral_band():
+    # growth leaves the band of NEUTRAL |s| = 4e-8 only 7e-5 after it crossed zero
+    found = search(lambda V: pair(3e-2 * (1e-4 - (V - 3.3) ** 2), 40.0), np.linspace(3.0, 3.6, 7), 40.0)
+    assert [b.opens for b in found] == [True, False]
+    np.testing.assert_allclose([b.V for b in found], [3.29, 3.31], rtol=REFINED)

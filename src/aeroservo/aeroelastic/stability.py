@@ -155,7 +155,7 @@ def boundaries(values_at: Callable[[Array], Array], mesh: Array, values: Array, 
     found = _splits(values_at, low[split], high[split], before[split], scale)
     for kind, oscillatory in enumerate((True, False)):
         counts = before[~split, kind], after[~split, kind]
-        found += _crossings(values_at, low[~split], high[~split], counts, oscillatory, scale)
+        found += _crossings(values_at, low[~split], high[~split], counts, oscillatory, scale, (mesh[0], mesh[-1]))
     return sorted(found, key=lambda boundary: boundary.V)
 
 
@@ -267,6 +267,7 @@ def _crossings(
     counts: tuple[Array, Array],
     oscillatory: bool,
     scale: float,
+    limits: tuple[float, float],
 ) -> list[Boundary]:
     """Zeros of the growth of each root of one kind that is unstable at one end of a cell only.
 
@@ -301,14 +302,31 @@ def _crossings(
     banded |= height(low, every) * height(high, every) >= 0.0
     at_low, at_high = height(low, every), height(high, every)
     V = bracketed_roots(height, low, high, at_low, at_high)
+    opens = at_low < at_high
+    for reach in (1e-6, 1e-5, 1e-4, 1e-3) if oscillatory else ():  # a shallow crossing lies a little before the band
+        edge = np.flatnonzero(banded)
+        if not edge.size:
+            break
+        far = np.clip(V[edge] * (1.0 + np.where(opens[edge], -reach, reach)), *limits)
+        banded[edge] = False
+        at_edge, at_far = height(V[edge], edge), height(far, edge)
+        crossed = at_edge * at_far < 0.0
+        banded[edge[~crossed]] = True
+        back = edge[crossed]
+
+        def plain(V: Array, index: Array, back: Array = back) -> Array:
+            return height(V, back[index])
+
+        if back.size:
+            V[back] = bracketed_roots(plain, far[crossed], V[back], at_far[crossed], at_edge[crossed])
     kind: Kind = "oscillatory" if oscillatory else "real"
     found = []
     passes = np.abs(height(V, every)) <= CROSSES * scale  # else a root that came or went where it was
-    for speed, opens in zip(V[passes], (at_low < at_high)[passes]):
+    for speed, unstable in zip(V[passes], opens[passes]):
         values = values_at(np.array([speed]))[0]
         member = values[values.imag > 0.0] if oscillatory else np.zeros(1, dtype=complex)
         root = 1j * member[np.argmin(np.abs(member.real))].imag
-        found.append(Boundary(V=float(speed), kind=kind, opens=bool(opens), root=complex(root)))
+        found.append(Boundary(V=float(speed), kind=kind, opens=bool(unstable), root=complex(root)))
     return found
 
 
