@@ -80,7 +80,7 @@ def derivative_air(wing: WingDerivatives) -> tuple[RationalAero, StaticLoads]:
     Examples
     --------
     >>> aero, loads = derivative_air(WingDerivatives(S=2.0, c=1.0, CL_alpha=4.0, CM_alpha=0.5))
-    >>> aero.A0[0, :, 1].tolist(), loads.row("lift")[1]
+    >>> aero.A0[0, :, 1].tolist(), float(loads.row("lift")[1])
     ([-8.0, 1.0], 8.0)
     """
     b, arm = 0.5 * wing.c, wing.l / (0.5 * wing.c)

@@ -165,7 +165,7 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition, *, actuat
     assert isinstance(aero, RationalAero)  # state_matrix refused anything else
     moved = {a.control: a for a in model.actuators} if actuators else {}
     check_control_terms(model, moved)
-    plant = _Plant(model, condition)
+    plant = PlantRows(model, condition)
     n, n_lag = modes.n, len(aero.lags)
     batch, n_plant = condition.V.shape, 2 * modes.n + len(aero.lags)
     names = [aero.inputs[j].name for j in plant.controls]
@@ -245,8 +245,20 @@ def check_control_terms(model: AeroelasticModel, moved: Mapping[str, Actuator]) 
             raise ValueError(f"control {name!r} has rate terms: it needs an actuator")
 
 
-class _Plant:
-    """What controls and gusts do to the rows [q', q'', lag'] of a model, batched as the condition."""
+class PlantRows:
+    """What controls and gusts do to the rows [q', q'', lag'] of a model, batched as the condition.
+
+    Attributes
+    ----------
+    controls, gusts : list of int
+        Their columns of Q.
+    inverse : ndarray, shape (..., n, n) or (n, n)
+        Inverse of the mass with the air that moves along. [SI]
+    delta, delta_rate, delta_acceleration : ndarray, shape (..., 2n + n_lag, n_u)
+        Per control angle, rate and acceleration. [SI]
+    gust, gust_rate : ndarray, shape (..., 2n + n_lag, n_w)
+        Per gust velocity and its rate of change. [SI]
+    """
 
     def __init__(self, model: AeroelasticModel, condition: FlightCondition) -> None:
         modes, aero = model.modes, model.aero
@@ -255,7 +267,7 @@ class _Plant:
         self.controls, self.gusts = aero.columns("control"), aero.columns("gust")
         A0, A1, A2, lag_D = aero.matrices(condition.mach)
         V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
-        inverse = _inverse_mass(modes, aero, A2[..., :n], condition)
+        inverse = self.inverse = _inverse_mass(modes, aero, A2[..., :n], condition)
 
         def rows(force: Array, lag: Array | None = None) -> Array:
             """Accelerations of a force, and the drive of the lags."""
@@ -279,7 +291,7 @@ class _Plant:
 
 
 def _named(
-    model: AeroelasticModel, A: Array, B: Array, jump: Array, plant: _Plant, moved: list[Actuator], n: int, n_lag: int
+    model: AeroelasticModel, A: Array, B: Array, jump: Array, plant: PlantRows, moved: list[Actuator], n: int, n_lag: int
 ) -> LinearSystem:
     """Outputs and names: rates hold the jump of the gust."""
     modes, aero = model.modes, model.aero

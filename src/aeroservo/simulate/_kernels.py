@@ -1,0 +1,328 @@
+"""Compiled stepping of a time-varying system with a few nonlinear elements and a sampled controller.
+
+Imports nothing of ours. Every model is one stack of rows Z(t) over the columns xi = [x, w, s, phi, 1]:
+
+    rows 0 .. n_x:            x' = Z xi
+    next n_phi rows:          argument of each nonlinear element, which may use elements before it
+    next n_y rows:            outputs
+
+w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. All arrays
+of state are changed in place, so that a run can be cut into pieces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+SPRING, TABLE, CLIP, COSINE, PLAY = 0, 1, 2, 3, 4
+OVERFLOW = 1e30
+
+
+@njit(cache=True, nogil=True)
+def element(kind, y, par, memory):  # pragma: no cover - compiled
+    """Value of one nonlinear element at its argument."""
+    if kind == SPRING:  # -(force - linear force): par = linear, gap, K, count, c0, c1, ...
+        gap = par[1]
+        x = y - gap if y > gap else (y + gap if y < -gap else 0.0)
+        total = 0.0
+        for i in range(int(par[3]) - 1, -1, -1):
+            total = total * x + par[4 + i]
+        return par[0] * y - par[2] * total * x
+    if kind == TABLE:  # table - straight line: par = CL0, slope, count, alpha..., CL...
+        count = int(par[2])
+        line = par[0] + par[1] * y
+        if y <= par[3]:
+            return par[3 + count] - line
+        for i in range(1, count):
+            if y <= par[3 + i]:
+                left = par[2 + i]
+                f = (y - left) / (par[3 + i] - left)
+                return par[2 + count + i] * (1.0 - f) + par[3 + count + i] * f - line
+        return par[2 + 2 * count] - line
+    if kind == CLIP:  # par = largest magnitude
+        return par[0] if y > par[0] else (-par[0] if y < -par[0] else y)
+    if kind == COSINE:
+        return np.cos(y) - 1.0
+    return y - par[0] if y - par[0] > memory else (y + par[0] if y + par[0] < memory else memory)
+
+
+@njit(cache=True, nogil=True)
+def elements(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
+    """Fill the phi columns of xi, in order."""
+    n_col = Z.shape[1]
+    for j in range(kinds.shape[0]):
+        y = 0.0
+        for i in range(n_col):
+            y += Z[n_x + j, i] * xi[i]
+        xi[first + j] = element(kinds[j], y, pars[j], memory[j])
+
+
+@njit(cache=True, nogil=True)
+def rows(Z, start, count, xi, out):  # pragma: no cover - compiled
+    """out = Z[start : start + count] xi."""
+    n_col = Z.shape[1]
+    for r in range(count):
+        total = 0.0
+        for i in range(n_col):
+            total += Z[start + r, i] * xi[i]
+        out[r] = total
+
+
+@njit(cache=True, nogil=True)
+def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
+    """x' for a filled xi (states, inputs and the one); for tests and linearisation."""
+    out = np.empty(n_x)
+    elements(Z, n_x, first, kinds, pars, memory, xi)
+    rows(Z, 0, n_x, xi, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):  # pragma: no cover - compiled
+    """Gusts, and the rates of the smooth ones, at the fraction f of base step k: held values and 1-cosine pulses."""
+    here = path[k] + dt * f * (speed[k] + 0.5 * f * (speed[k + 1] - speed[k]))
+    V = speed[k] + f * (speed[k + 1] - speed[k])
+    zones = offsets.shape[0]
+    for z in range(zones):
+        value, rate = held[k, z], 0.0
+        for c in range(cosines.shape[0]):
+            x = here - cosines[c, 1] - offsets[z]
+            if x > 0.0 and x < cosines[c, 2]:
+                turn = 2.0 * np.pi / cosines[c, 2]
+                value += 0.5 * cosines[c, 0] * (1.0 - np.cos(turn * x))
+                rate += 0.5 * cosines[c, 0] * turn * np.sin(turn * x) * V
+        xi[at + z] = value
+        xi[at + zones + z] = rate
+
+
+@njit(cache=True, nogil=True)
+def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
+    """Rows between knots, linear in time; `position` counts base steps from the first knot."""
+    if knots.shape[0] == 1:
+        return
+    i = min(int(position / per_knot), knots.shape[0] - 2)
+    f = position / per_knot - i
+    for r in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[r, c] = knots[i, r, c] + f * (knots[i + 1, r, c] - knots[i, r, c])
+
+
+@njit(cache=True, nogil=True)
+def control(
+    matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, xc, new, command
+):  # pragma: no cover - compiled
+    """One sample of the controller: measured values -> command; matrices are blended between two points."""
+    n_c, n_in, n_out = sizes
+    point, weight = int(weights[at, 0]), weights[at, 1]
+    low, high = matrices[point], matrices[min(point + 1, matrices.shape[0] - 1)]
+    length = ring.shape[0]
+    for i in range(n_in):
+        value = ring[(ring_at - delays[i]) % length, i] + noise[at, i]
+        if quanta[i] > 0.0:
+            value = np.round(value / quanta[i]) * quanta[i]
+        new[n_c + i] = value
+    for i in range(n_c):
+        new[i] = xc[i]
+    for r in range(n_out):
+        total = 0.0
+        for i in range(n_c + n_in):
+            total += (low[n_c + r, i] + weight * (high[n_c + r, i] - low[n_c + r, i])) * new[i]
+        command[r] = total
+    for r in range(n_c):
+        total = 0.0
+        for i in range(n_c + n_in):
+            total += (low[r, i] + weight * (high[r, i] - low[r, i])) * new[i]
+        xc[r] = total
+
+
+@njit(cache=True, nogil=True)
+def step_rk4(
+    Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h, k, f0, f1, held, path, speed, dt, cosines, offsets, k1, k2
+):  # pragma: no cover - compiled
+    """One classical Runge-Kutta step of x; xi holds s and the one; k1, k2 are work."""
+    first = n_x + n_w + n_s
+    fh = 0.5 * (f0 + f1)
+    for i in range(n_x):
+        k1[i] = 0.0
+        k2[i] = 0.0
+    for stage in range(4):
+        Z = Z0 if stage == 0 else (Z1 if stage == 3 else Zh)
+        wind(xi, n_x, held, k, path, speed, dt, f0 if stage == 0 else (f1 if stage == 3 else fh), cosines, offsets)
+        ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
+        weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        for i in range(n_x):
+            xi[i] = x[i] + ahead * k1[i]
+        elements(Z, n_x, first, kinds, pars, memory, xi)
+        rows(Z, 0, n_x, xi, k1)
+        for i in range(n_x):
+            k2[i] += weight * k1[i]
+    for i in range(n_x):
+        x[i] += h / 6.0 * k2[i]
+
+
+@njit(cache=True, nogil=True)
+def settle_elements(Z, n_x, first, kinds, pars, memory, stops, x, xi):  # pragma: no cover - compiled
+    """After a step: hard stops of the surfaces, and the memory of elements with play."""
+    for j in range(stops.shape[0]):
+        i, r, largest = int(stops[j, 0]), int(stops[j, 1]), stops[j, 2]
+        if x[i] > largest:
+            x[i] = largest
+            if r >= 0 and x[r] > 0.0:
+                x[r] = 0.0
+        elif x[i] < -largest:
+            x[i] = -largest
+            if r >= 0 and x[r] < 0.0:
+                x[r] = 0.0
+    for i in range(n_x):
+        xi[i] = x[i]
+    for j in range(kinds.shape[0]):
+        if kinds[j] == PLAY:
+            elements(Z, n_x, first, kinds, pars, memory, xi)
+            memory[j] = xi[first + j]
+
+
+@njit(cache=True, nogil=True)
+def run(
+    knots, per_knot, sizes, kinds, pars, memory, stops, exact, n_sub, dt, k_start, n_step,
+    x, held, path, speed, cosines, offsets, external,
+    ctrl, ctrl_sizes, ctrl_weights, ctrl_rows, ctrl_delays, ctrl_quanta, ctrl_noise, ctrl_limits, ctrl_map,
+    period, computing, first_sample, xc, ring, latest, queue, pipe, pipe_delays, gains, command_limits, commands,
+    limit_rows, limit_values, statistics, every, record, trace,
+):  # fmt: skip  # pragma: no cover - compiled
+    """Step `n_step` base steps from step `k_start`; returns code, steps done, records written, row of a limit left.
+
+    Code 0: done; 1: a limit was left; 2: overflow. Outputs of the start of each base step go into the statistics
+    (rows: largest magnitude, sum, sum of squares, count) and, at every `every`th, into `record`.
+    """
+    n_x, n_w, n_s, n_phi, n_y = sizes
+    n_col = n_x + n_w + n_s + n_phi + 1
+    first = n_x + n_w + n_s
+    n_u = external.shape[1]
+    xi, k1, k2 = np.zeros(n_col), np.zeros(n_x), np.zeros(n_x)
+    y, work, command = np.zeros(n_y), np.zeros(ctrl.shape[2] + 1), np.zeros(ctrl_map.shape[0])
+    Z0, Zh, Z1 = knots[0].copy(), knots[0].copy(), knots[0].copy()
+    Phi, drive = exact
+    moving = knots.shape[0] > 1
+    written = 0
+    h = dt / n_sub
+    xi[n_col - 1] = 1.0
+    for j in range(n_s):
+        xi[n_x + n_w + j] = commands[j]  # what was held before this piece
+    for k in range(n_step):
+        now = k_start + k
+        if moving:
+            interpolate(knots, per_knot, float(k), Z0)
+        for i in range(n_x):
+            xi[i] = x[i]
+        wind(xi, n_x, held, k, path, speed, dt, 0.0, cosines, offsets)
+        # the controller reads outputs that are still under the old command
+        if ctrl_map.shape[0] > 0:
+            slot = now % ring.shape[0]
+            if ring.shape[0] > 1 or now % period == 0:
+                elements(Z0, n_x, first, kinds, pars, memory, xi)
+                for i in range(ctrl_rows.shape[0]):
+                    rows(Z0, n_x + n_phi + ctrl_rows[i], 1, xi, y)
+                    ring[slot, i] = y[0]
+                    if now == 0:
+                        for older in range(ring.shape[0]):
+                            ring[older, i] = y[0]
+            if now % period == 0:
+                sample = now // period - first_sample
+                control(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
+                        xc, work, command)  # fmt: skip
+                for r in range(ctrl_map.shape[0]):
+                    c = command[r]
+                    if ctrl_limits[r] > 0.0:
+                        c = min(max(c, -ctrl_limits[r]), ctrl_limits[r])
+                    latest[r] = c
+            for r in range(ctrl_map.shape[0]):
+                queue[now % queue.shape[0], r] = latest[r]
+        for j in range(n_u):
+            total = external[k, j]
+            for r in range(ctrl_map.shape[0]):
+                if ctrl_map[r] == j:
+                    total += queue[(now - computing) % queue.shape[0], r]
+            length = pipe.shape[0]
+            pipe[now % length, j] = total
+            late = gains[j] * pipe[(now - pipe_delays[j]) % length, j]
+            if command_limits[j] > 0.0:
+                late = min(max(late, -command_limits[j]), command_limits[j])
+            xi[n_x + n_w + j] = late
+            xi[n_x + n_w + n_u + j] = total
+            commands[j] = late
+            commands[n_u + j] = total
+        # outputs
+        elements(Z0, n_x, first, kinds, pars, memory, xi)
+        rows(Z0, n_x + n_phi, n_y, xi, y)
+        for i in range(n_y):
+            size = abs(y[i])
+            if size > statistics[0, i]:
+                statistics[0, i] = size
+            statistics[1, i] += y[i]
+            statistics[2, i] += y[i] * y[i]
+            statistics[3, i] += 1.0
+        if now % every == 0 and written < record.shape[0]:
+            for i in range(n_y):
+                record[written, i] = y[i]
+            written += 1
+        for i in range(limit_rows.shape[0]):
+            if abs(y[limit_rows[i]]) > limit_values[i]:
+                return 1, k, written, limit_rows[i]
+        # the step
+        if Phi.shape[0] > 0:
+            for r in range(n_x):
+                total = 0.0
+                for i in range(n_x):
+                    total += Phi[r, i] * x[i]
+                for i in range(n_s):
+                    total += drive[0, r, i] * xi[n_x + n_w + i]
+                total += drive[0, r, n_s]
+                for i in range(n_w):
+                    total += drive[1, r, i] * xi[n_x + i]
+                k1[r] = total
+            for part in range(2):
+                wind(xi, n_x, held, k, path, speed, dt, 0.5 + 0.5 * part, cosines, offsets)
+                for r in range(n_x):
+                    for i in range(n_w):
+                        k1[r] += drive[2 + part, r, i] * xi[n_x + i]
+            for i in range(n_x):
+                x[i] = k1[i]
+        else:
+            for sub in range(n_sub):
+                f0, f1 = sub / n_sub, (sub + 1.0) / n_sub
+                if moving:
+                    interpolate(knots, per_knot, k + f0, Z0)
+                    interpolate(knots, per_knot, k + 0.5 * (f0 + f1), Zh)
+                    interpolate(knots, per_knot, k + f1, Z1)
+                step_rk4(Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h, k, f0, f1,
+                         held, path, speed, dt, cosines, offsets, k1, k2)  # fmt: skip
+                if stops.shape[0] > 0 or n_phi > 0:
+                    settle_elements(Z1, n_x, first, kinds, pars, memory, stops, x, xi)
+                if trace.shape[0] > 0:
+                    for i in range(n_x):
+                        trace[k * n_sub + sub, i] = x[i]
+        for i in range(n_x):
+            if not abs(x[i]) < OVERFLOW:
+                return 2, k, written, i
+    return 0, n_step, written, -1
+
+
+@njit(cache=True, nogil=True)
+def coloured(Ad, Ld, C, hold, start, x, noise, out):  # pragma: no cover - compiled
+    """Output C x of x <- Ad x + Ld noise over the steps of a piece; x is carried on; matrices serve `hold` steps."""
+    n = x.shape[0]
+    new = np.empty(n)
+    for k in range(noise.shape[0]):
+        i = min((start + k) // hold, Ad.shape[0] - 1)
+        total = 0.0
+        for c in range(n):
+            total += C[i, 0, c] * x[c]
+        out[k] = total
+        for r in range(n):
+            total = 0.0
+            for c in range(n):
+                total += Ad[i, r, c] * x[c] + Ld[i, r, c] * noise[k, c]
+            new[r] = total
+        for r in range(n):
+            x[r] = new[r]

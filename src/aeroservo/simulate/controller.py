@@ -1,0 +1,277 @@
+"""Controllers as data: the JSON file of the contract, sampled or continuous, with or without a schedule."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aeroservo.datatypes import Array, LinearSystem, frozen
+
+LARGEST = 10_000_000
+"""Largest controller file read. [byte]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ControllerFile:
+    """x[k+1] = A x[k] + B y[k], u[k] = C x[k] + D y[k]; u is added to the plant's inputs.
+
+    Attributes
+    ----------
+    A, B, C, D : ndarray, shapes (p, n_c, n_c), (p, n_c, n_in), (p, n_out, n_c), (p, n_out, n_in)
+        Matrices at p points of a schedule, 1 where there is none. [SI]
+    inputs, outputs : tuple of str
+        Channels that it reads, and commands that it adds to.
+    dt_s : float, optional
+        Sample time; None is continuous. [s]
+    delay_s : float
+        Computing delay: a command acts that much later than its sample. [s]
+    limits : tuple of float, length n_out
+        Largest magnitude of each output, 0 for none. [unit of the output]
+    pressures : ndarray, shape (p,)
+        Dynamic pressure of each point, ascending; held beyond the ends. [Pa]
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    dt_s: float | None = None
+    delay_s: float = 0.0
+    limits: tuple[float, ...] = ()
+    pressures: Array = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        """Lock the arrays and check shapes, sample time, delay and schedule."""
+        n_in, n_out = len(self.inputs), len(self.outputs)
+        n_c = np.shape(self.A)[-1] if np.size(self.A) else 0
+        points = 1 if self.pressures is None else len(self.pressures)
+        shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in)}
+        for name, shape in shapes.items():
+            value = np.asarray(getattr(self, name), dtype=float)
+            if value.size == 0:
+                value = np.zeros((points, *shape))
+            array = frozen(value.reshape(1, *value.shape) if value.ndim == 2 else value, ndim=3, name=name)
+            if array.shape != (points, *shape):
+                raise ValueError(f"{name} must have shape {shape} at each of {points} points, got {array.shape}")
+            object.__setattr__(self, name, array)
+        pressures = frozen(np.zeros(1) if self.pressures is None else self.pressures, ndim=1, name="pressures")
+        if np.any(np.diff(pressures) <= 0.0):
+            raise ValueError("dynamic pressures of a schedule must ascend [Pa]")
+        object.__setattr__(self, "pressures", pressures)
+        object.__setattr__(self, "limits", self.limits or (0.0,) * n_out)
+        if len(self.limits) != n_out or min(self.limits, default=0.0) < 0.0:
+            raise ValueError(f"limits must be {n_out} numbers, not negative, got {self.limits}")
+        if self.dt_s is not None and not 0.0 < self.dt_s < math.inf:
+            raise ValueError(f"dt_s must be positive [s] or null, got {self.dt_s}")
+        if not 0.0 <= self.delay_s < math.inf:
+            raise ValueError(f"delay_s must not be negative [s], got {self.delay_s}")
+        if self.dt_s is None and (self.delay_s or points > 1 or any(self.limits)):
+            raise ValueError(
+                "a continuous controller (dt_s null) cannot have delay_s, limits or a schedule here: "
+                "give it a sample time"
+            )
+
+    @property
+    def continuous(self) -> LinearSystem | None:
+        """The controller as a continuous system; None where it is sampled. [SI]"""
+        if self.dt_s is not None:
+            return None
+        states = tuple(f"x{i + 1}" for i in range(self.A.shape[-1]))
+        return LinearSystem(
+            A=self.A[0], B=self.B[0], C=self.C[0], D=self.D[0], states=states, inputs=self.inputs, outputs=self.outputs
+        )
+
+    def blend(self, pressure: Array) -> Array:
+        """Point to the left and weight of the one to the right at pressures (n,) [Pa], shape (n, 2). [-]"""
+        held = np.clip(pressure, self.pressures[0], self.pressures[-1])
+        last = max(len(self.pressures) - 2, 0)
+        left = np.clip(np.searchsorted(self.pressures, held, side="right") - 1, 0, last)
+        right = np.minimum(left + 1, len(self.pressures) - 1)
+        width = self.pressures[right] - self.pressures[left]
+        weight = np.where(width > 0.0, (held - self.pressures[left]) / np.where(width > 0.0, width, 1.0), 0.0)
+        return np.stack([left.astype(float), weight], axis=1)
+
+
+def controller_of(system: LinearSystem) -> ControllerFile:
+    """A linear system as a controller; its input delay becomes the computing delay.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        One system, continuous or sampled. [SI]
+
+    Returns
+    -------
+    controller : ControllerFile
+        The same matrices. [SI]
+
+    Raises
+    ------
+    ValueError
+        If it is a batch, or continuous with a delay.
+    """
+    if system.A.ndim != 2:
+        raise ValueError(f"one controller is wanted, got a batch of shape {system.A.shape[:-2]}")
+    return ControllerFile(
+        A=system.A,
+        B=system.B,
+        C=system.C,
+        D=system.D,
+        inputs=system.inputs,
+        outputs=system.outputs,
+        dt_s=system.dt,
+        delay_s=system.input_delay_s,
+    )
+
+
+def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], dt_s: float | None) -> ControllerFile:
+    """u = -K y, sampled or continuous.
+
+    Parameters
+    ----------
+    K : ndarray, shape (n_out, n_in)
+        Gains. [SI]
+    inputs, outputs : tuple of str
+        Channels read, commands driven.
+    dt_s : float, optional
+        Sample time; None is continuous. [s]
+
+    Returns
+    -------
+    controller : ControllerFile
+        With D = -K. [SI]
+    """
+    return ControllerFile(
+        A=np.zeros((0, 0)), B=np.zeros((0, 0)), C=np.zeros((0, 0)), D=-np.atleast_2d(K), inputs=inputs,
+        outputs=outputs, dt_s=dt_s,
+    )  # fmt: skip
+
+
+def read_controller(path: str | Path) -> ControllerFile:
+    """A controller from its JSON file.
+
+    Parameters
+    ----------
+    path : str or Path
+        JSON with A, B, C, D, dt_s, delay_s, inputs, outputs, limits, or `points` of a schedule.
+
+    Returns
+    -------
+    controller : ControllerFile
+        Checked. [SI]
+
+    Raises
+    ------
+    ValueError
+        Naming the file, the field and what is allowed.
+
+    References
+    ----------
+    contract.md, "Controller file (JSON)".
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > LARGEST:
+            raise ValueError(f"{path}: is larger than {LARGEST / 1e6:.0f} MB")
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path}: is not valid JSON: {error}") from None
+    except RecursionError:
+        raise ValueError(f"{path}: is nested too deeply") from None
+    try:
+        return _parsed(data)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _no_constant(word: str) -> float:
+    raise ValueError(f"{word} is not a number of JSON")
+
+
+def _parsed(data: Any) -> ControllerFile:
+    """A controller from what JSON gives."""
+    if not isinstance(data, dict):
+        raise ValueError("must be one JSON object")
+    version = data.get("schema_version", 1)
+    if version != 1:
+        raise ValueError(f"schema_version = {version!r} is not 1, the version that this program reads")
+    names = {}
+    for key in ("inputs", "outputs"):
+        value = data.get(key)
+        if not isinstance(value, list) or not value or not all(isinstance(name, str) for name in value):
+            raise ValueError(f"{key} must be a list of one or more channel names, got {value!r:.80}")
+        if len(set(value)) != len(value):
+            raise ValueError(f"{key} must differ, got {value!r:.200}")
+        names[key] = tuple(value)
+    points = data.get("points")
+    if points is None:
+        points, pressures = [data], None
+    else:
+        if not isinstance(points, list) or not points or not all(isinstance(p, Mapping) for p in points):
+            raise ValueError("points must be a list of objects with dynamic_pressure_Pa, A, B, C, D")
+        pressures = np.array([_number(p, "dynamic_pressure_Pa", None) for p in points])
+        if data.get("interpolation", "linear") != "linear":
+            raise ValueError(f"interpolation must be 'linear', got {data['interpolation']!r:.40}")
+    n_in, n_out = len(names["inputs"]), len(names["outputs"])
+    stacks = {key: [_matrix(p, key) for p in points] for key in "ABCD"}
+    n_c = len(stacks["A"][0])
+    shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in)}
+    matrices = {}
+    for key, stack in stacks.items():
+        for value in stack:
+            if value.size != shapes[key][0] * shapes[key][1] or (value.size and value.shape != shapes[key]):
+                raise ValueError(f"{key} must be {shapes[key][0]} x {shapes[key][1]}, got shape {value.shape}")
+        matrices[key] = np.stack([value.reshape(shapes[key]) for value in stack])
+    dt = data.get("dt_s")
+    return ControllerFile(
+        **matrices,
+        inputs=names["inputs"],
+        outputs=names["outputs"],
+        dt_s=None if dt is None else _number(data, "dt_s", None),
+        delay_s=_number(data, "delay_s", 0.0),
+        limits=_limits(data.get("limits"), names["outputs"]),
+        pressures=pressures,  # type: ignore[arg-type]
+    )
+
+
+def _matrix(data: Mapping[str, Any], key: str) -> Array:
+    """A matrix of numbers; [] and [[]] are empty."""
+    value = data.get(key, [])
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key} must be rows of numbers, all of one length") from None
+    if array.size and array.ndim != 2:
+        raise ValueError(f"{key} must be rows of numbers, got {array.ndim} axes")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{key} holds a value that is not finite")
+    return array if array.ndim == 2 else np.zeros((0, 0))
+
+
+def _number(data: Mapping[str, Any], key: str, default: float | None) -> float:
+    """A finite number of a field."""
+    value = data.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{key} must be a number, got {value!r:.40}")
+    return float(value)
+
+
+def _limits(data: Any, outputs: tuple[str, ...]) -> tuple[float, ...]:
+    """Largest magnitude of each output by its name."""
+    if data is None:
+        return ()
+    if not isinstance(data, dict) or set(data) - set(outputs):
+        raise ValueError(
+            f"limits must name outputs out of {list(outputs)} and their largest magnitude, got {data!r:.80}"
+        )
+    return tuple(_number(data, name, 0.0) for name in outputs)
