@@ -1,8 +1,9 @@
 """Beam wings of model files: modes, strips along them, and a richer basis for statics.
 
 Dynamics need few modes (the p-k method's cost grows with their cube), static deflections many: next to the critical
-sweep, where two divergence pressures meet, ten modes miss the divergence pressure by 1e-4 and forty by less than 1e-5.
-So the model carries a second one, root clamped, for static analyses.
+sweep, where two divergence pressures meet, ten natural modes miss the divergence pressure by 1e-4, and tip twists
+converge no faster than the square of their number. So the model carries a second one for static analyses: the wing
+clamped, on the strains of its finite elements, which converges with their degree.
 
 Above a certain dynamic pressure the static shapes of swept wings wind along the span more than once. Exact solutions
 of the swept beam with strip theory have further divergence pressures there (27 times that of the unswept wing and
@@ -20,17 +21,18 @@ import numpy as np
 from aeroservo.aero.strip import QuasiSteady, Strips, Theory, strip_aero, strip_shapes
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.datatypes import AeroelasticModel, Array, ModalModel
-from aeroservo.structure.beam import BeamMass, BeamModes, SlenderBeam, beam_modes
+from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
 from aeroservo.structure.beam_axis import gauss_points
+from aeroservo.structure.beam_elements import beam_mesh, stiffness_blocks, strain_shapes
 
 BEAM_MODES = 8
 """Elastic modes kept of a beam wing for dynamics: flutter speeds of ordinary wings to 1e-5."""
 
-STATIC_MODES = 40
-"""Modes kept of a beam wing for statics."""
+STRIP_PARTS, PART_POINTS = 8, 6
+"""Parts of the span, at least, with boundaries at stations and ends of the elevon; strips are Gauss points in each."""
 
-STRIP_POINTS = 48
-"""Strips of a beam wing, at least; Gauss points between stations and ends of the elevon."""
+STATIC_DEGREE = 5
+"""Degree of the deflection in each part, for statics: products with the loads are integrated exactly by the strips."""
 
 TORSION_WAVES, BENDING_WAVES = 7.5, 6.0
 """Phase of static shapes along the span at which the search for divergence ends; first divergence is at 1.57 (unswept)
@@ -53,7 +55,7 @@ def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
     Returns
     -------
     model : AeroelasticModel
-        With `statics`: the clamped wing on `STATIC_MODES` modes. [SI]
+        With `statics`: the clamped wing in strain coordinates. [SI]
 
     Raises
     ------
@@ -69,26 +71,24 @@ def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
     >>> from aeroservo.aircraft.files import read
     >>> wing = beam_model(read("goland"), QuasiSteady())
     >>> wing.modes.n, wing.statics.modes.n
-    (8, 40)
+    (8, 64)
     """
     beam = slender_beam(model)
-    s, width = _strip_points(model, beam)
+    nodes = _parts(model, beam)
+    s, width = gauss_points(nodes, PART_POINTS)
     strips = _strips(model, beam, s, width)
     points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
     rigid = {"clamped": 0, "free": 2 if beam.symmetry == "symmetric" else 1}[beam.root]
     mass = float(np.trapezoid(beam.mass, beam.y)) + sum(lump.mass for lump in beam.masses)
     limit = static_limit(beam, strips, s)
 
-    def coupled(found: BeamModes, section: Theory, statics: AeroelasticModel | None) -> AeroelasticModel:
-        modes = _modal(found)
-        aero, loads = strip_aero(strips, strip_shapes(modes, strips.sweep), modes.names, section)
-        loads = replace(loads, weight=_weight(beam, found, s, width), limit=limit)
-        return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
+    def coupled(basis: ModalModel, section: Theory, statics: AeroelasticModel | None) -> AeroelasticModel:
+        aero, loads = strip_aero(strips, strip_shapes(basis, strips.sweep), basis.names, section)
+        loads = replace(loads, weight=_weight(beam, basis, points, width), limit=limit)
+        return AeroelasticModel(modes=basis, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
 
-    clamped = replace(beam, root="clamped", symmetry="symmetric")
-    many = beam_modes(clamped, n=STATIC_MODES, points=points, elements=STATIC_MODES // 2)
-    statics = coupled(many, QuasiSteady(damped=False), None)
-    return coupled(beam_modes(beam, n=BEAM_MODES + rigid, points=points), theory, statics)
+    statics = coupled(_strain_modes(beam, points, nodes), QuasiSteady(damped=False), None)
+    return coupled(modes(beam, n=BEAM_MODES + rigid, points=points), theory, statics)
 
 
 def slender_beam(model: BeamWing) -> SlenderBeam:
@@ -183,13 +183,12 @@ def static_limit(beam: SlenderBeam, strips: Strips, s: Array) -> float:
     return float(min(limits))
 
 
-def _strip_points(model: BeamWing, beam: SlenderBeam) -> tuple[Array, Array]:
-    """Places of the strips along the axis and the length each stands for."""
+def _parts(model: BeamWing, beam: SlenderBeam) -> Array:
+    """Boundaries of the parts of the span along the axis."""
     elevon = model.wing.elevon
     breaks = np.unique(np.concatenate([beam.y, [elevon.from_y_m, elevon.to_y_m] if elevon else []]))
-    parts = np.maximum(1, np.round(STRIP_POINTS / 6 * np.diff(breaks) / beam.length)).astype(int)
-    nodes = np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
-    return gauss_points(nodes, 6)
+    parts = np.maximum(1, np.round(STRIP_PARTS * np.diff(breaks) / beam.length)).astype(int)
+    return np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
 
 
 def _strips(model: BeamWing, beam: SlenderBeam, s: Array, width: Array) -> Strips:
@@ -218,19 +217,27 @@ def _strips(model: BeamWing, beam: SlenderBeam, s: Array, width: Array) -> Strip
     )
 
 
-def _modal(found: BeamModes) -> ModalModel:
-    """The modes without damping."""
-    return ModalModel(M=found.M, D=np.zeros_like(found.M), K=found.K, names=found.names, phi=found.phi, grid=found.grid)
+def _strain_modes(beam: SlenderBeam, points: Array, nodes: Array) -> ModalModel:
+    """The clamped wing in strain coordinates of unit strain energy; statics use no mass, so M is the unit matrix."""
+    clamped = replace(beam, root="clamped", symmetry="symmetric")
+    mesh = beam_mesh(clamped, elements=1, degree=STATIC_DEGREE, at=nodes)
+    blocks = np.linalg.inv(np.linalg.cholesky(stiffness_blocks(mesh)))
+    shapes = strain_shapes(mesh, points).reshape(3 * points.size, len(blocks), -1)
+    unit = np.einsum("gek,emk->gem", shapes, blocks).reshape(points.size, 3, -1)
+    n = unit.shape[2]
+    phi = np.zeros((points.size, 6, n))
+    phi[:, 2:5] = unit
+    names = tuple(f"strain {j + 1}" for j in range(n))
+    return ModalModel(M=np.eye(n), D=np.zeros((n, n)), K=np.eye(n), names=names, phi=phi, grid=beam.position(points))
 
 
-def _weight(beam: SlenderBeam, found: BeamModes, s: Array, width: Array) -> Array:
+def _weight(beam: SlenderBeam, modes: ModalModel, points: Array, width: Array) -> Array:
     """Work of gravity per unit of each mode: m g (h + d theta), h down, d aft; lumps are the last points."""
-    n = len(s)
-    m = beam.at("mass", s) * width
-    d = beam.at("cg_offset", s)
-    force = m @ found.h[:n] + (m * d) @ found.twist[:n]
+    shapes, n = strip_shapes(modes, beam.at("sweep", points)), len(width)
+    m = beam.at("mass", points[:n]) * width
+    force = m @ shapes.h[:n] + (m * beam.at("cg_offset", points[:n])) @ shapes.twist[:n]
     for j, lump in enumerate(beam.masses):
-        force = force + lump.mass * (found.h[n + 1 + j] + lump.x * found.twist[n + 1 + j])
+        force = force + lump.mass * (shapes.h[n + 1 + j] + lump.x * shapes.twist[n + 1 + j])
     return np.asarray(GRAVITY * force)
 
 
