@@ -14,6 +14,8 @@ from aeroservo.datatypes import frozen
 
 #: Meaning of the marks of a lookup.
 INSIDE, STALLED, OUTSIDE = 0, 1, 2
+#: A place this close to a point of an axis, in steps of it, is that point: degrees turned to radians and back.
+SNAP = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,7 +110,7 @@ def section_coefficients(
     i = np.minimum(np.searchsorted(axis, alpha, side="right") - 1, len(axis) - 2)
     i = np.maximum(i, 0)
     t = (alpha - axis[i]) / (axis[i + 1] - axis[i])
-    t = np.where(np.abs(t - np.round(t)) < 1e-9, np.round(t), t)
+    t = np.where(np.abs(t - np.round(t)) < SNAP, np.round(t), t)
     inside = known & (t >= 0.0) & (t <= 1.0) & np.isfinite(position)
     values = [_between(c, i, t) for c in curves]
     inside &= np.isfinite(values[0]) & np.isfinite(values[1]) & np.isfinite(values[2])
@@ -223,7 +225,7 @@ def _curves(polar: Polar, reynolds: np.ndarray, delta: np.ndarray) -> tuple[list
         else:
             i = np.clip(np.searchsorted(axis, value, side="right") - 1, 0, len(axis) - 2)
             t = (value - axis[i]) / (axis[i + 1] - axis[i])
-            t = np.where(np.abs(t - np.round(t)) < 1e-9, np.round(t), t)
+            t = np.where(np.abs(t - np.round(t)) < SNAP, np.round(t), t)
             known &= (t >= 0.0) & (t <= 1.0)
         found.append((i, np.clip(t, 0.0, 1.0)))
     (i, s), (j, t) = found

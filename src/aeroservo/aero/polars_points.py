@@ -51,7 +51,9 @@ def polar_from_points(
     rows = np.asarray(points, dtype=float).reshape(-1, 6)
     if not len(rows):
         raise ValueError(f"polar {name!r} has no converged point")
-    reynolds, delta = np.unique(rows[:, 0]), np.unique(np.round(rows[:, 1], 9))
+    reynolds = np.unique(rows[:, 0])
+    _, first = np.unique(np.round(rows[:, 1], 9), return_index=True)
+    delta = rows[first, 1]
     low, high = np.round(rows[:, 2].min() / alpha_step), np.round(rows[:, 2].max() / alpha_step)
     alpha = np.arange(low, high + 0.5) * alpha_step
     tables = np.full((3, len(reynolds), len(delta), len(alpha)), np.nan)

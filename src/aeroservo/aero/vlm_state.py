@@ -92,8 +92,10 @@ def state_derivatives(
     induced = np.zeros((len(grid), len(grid), 3))
     ends = (*columns(middle), *columns(grid.a), *columns(grid.b))
     velocity_influence(*ends, grid.core**2, induced)  # type: ignore[call-arg]
-    local = wind + np.einsum("ijk,jm->imk", induced, gamma)
-    local_0 = _state_wind(wind, x) + np.einsum("ijk,j->ik", induced, gamma_0)
+    both = np.concatenate([gamma, gamma_0[:, None]], axis=1)
+    wash = np.stack([np.ascontiguousarray(induced[:, :, k]) @ both for k in range(3)], axis=-1)
+    local = wind + wash[:, :-1]
+    local_0 = _state_wind(wind, x) + wash[:, -1]
     force_0 = 2.0 * np.cross(local_0, along) * gamma_0[:, None]
     change = np.cross(local, along[:, None, :]) * gamma_0[:, None, None]
     change = 2.0 * (change + np.cross(local_0, along)[:, None, :] * gamma[:, :, None])
