@@ -90,4 +90,4 @@ def demo(*, out: Folder = Path("aeroservo-demo"), as_json: Json = False) -> None
 
     console = Console(highlight=False)
     print_tables(study, console)
-    typer.echo(f"\nFigures, results and tables are in {out}; open\n{page.resolve()}")
+    typer.echo(f"\nTables, figures and results are in one page; open\n{page.resolve()}")

@@ -83,10 +83,10 @@ def plot_frequency(result: FlutterResult, ax: Axes) -> None:
         Drawn into.
     """
     for j in shown_branches(result):
-        frequency = result.frequency[:, j] / (2.0 * np.pi)
-        ax.plot(result.speeds[:, j], frequency, label=literal(result.names[j]), **style(j))
+        hertz = np.where(np.isfinite(result.roots[:, j]), result.frequency[:, j], np.nan) / (2.0 * np.pi)
+        ax.plot(result.speeds[:, j], hertz, label=literal(result.names[j]), **style(j))
     _say_hidden(result, ax)
-    if not finite(result.frequency):
+    if not finite(result.roots):
         nothing_to_show(ax, "no mode has a root in this range")
     _speeds(result, ax)
     ax.set_ylabel("frequency, Hz")
@@ -105,7 +105,7 @@ def plot_damping(result: FlutterResult, ax: Axes) -> None:
     """
     for j in shown_branches(result):
         ax.plot(result.speeds[:, j], result.damping_ratio[:, j], label=literal(result.names[j]), **style(j))
-    if not finite(result.damping_ratio):
+    if not finite(result.roots):
         nothing_to_show(ax, "no mode has a root in this range")
     ax.axhline(0.0, color="black", linewidth=0.8)
     _speeds(result, ax)

@@ -64,7 +64,8 @@ def plot_response_against_speed(static: StaticResult, flutter: FlutterResult, *,
         ax.plot(static.V, 100.0 * static.effectiveness, label="roll effectiveness, % of rigid", **style(1))
         drawn += 1
     for j, name in enumerate(flutter.names):
-        percent = np.where(flutter.frequency[:, j] > 0.0, -100.0 * flutter.damping_ratio[:, j], np.nan)
+        swings = np.isfinite(flutter.roots[:, j]) & (flutter.frequency[:, j] > 0.0)
+        percent = np.where(swings, -100.0 * flutter.damping_ratio[:, j], np.nan)
         if finite(percent):
             ax.plot(flutter.speeds[:, j], percent, label=f"damping of {literal(name)}, %", **style(2 + j))
             drawn += 1
@@ -91,8 +92,9 @@ def _twist_per_cent(static: StaticResult) -> tuple[Any, Any, str]:
         largest = np.nanmax(np.abs(static.twist)) if np.any(known) else np.nan
         return static.V, 100.0 * static.twist / largest, f"{static.V[-1]:g} m/s"
     end = NEAR_DIVERGENCE * V_D
-    pole = 1.0 - (static.V[known] / V_D) ** 2  # twist times this is smooth up to divergence
-    largest = np.interp(end, static.V[known], static.twist[known] * pole) / (1.0 - NEAR_DIVERGENCE**2)
+    part, last = (static.V[known] / V_D) ** 2, NEAR_DIVERGENCE**2
+    size = static.twist[known] * (1.0 - part) / part  # for one shape of twist a constant, else smooth up to divergence
+    largest = np.interp(end, static.V[known], size) * last / (1.0 - last)
     n = int(np.searchsorted(static.V, end))
     V, twist = np.append(static.V[:n], end), np.append(static.twist[:n], largest)
     return V, 100.0 * twist / largest, f"{NEAR_DIVERGENCE:g} of the divergence speed"
