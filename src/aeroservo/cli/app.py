@@ -9,6 +9,7 @@ import typer
 from aeroservo.cli import analyses, model_files, reruns
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.output import not_yet
+from aeroservo.cli.simulate import simulate
 
 app = typer.Typer(
     name="aeroservo",
@@ -25,7 +26,6 @@ LATER = {
     "polar": "airfoil polars",
     "aero": "3-D coefficients and derivatives",
     "design": "controllers",
-    "simulate": "time histories",
     "gust": "gust and turbulence response",
     "envelope": "boundaries over speed and altitude",
     "report": "a study in one file",
@@ -59,6 +59,7 @@ app.command("modes", help="Frequencies and shapes without air.")(analyses.modes)
 app.command("static", help="Divergence, control reversal, effectiveness, twist.")(analyses.static)
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
 app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
+app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
 app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 

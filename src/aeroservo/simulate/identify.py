@@ -168,8 +168,8 @@ def era(y: ArrayLike, dt: float, *, order: int, rows: int = 200) -> tuple[Oscill
 def envelope_growth(t: ArrayLike, y: ArrayLike) -> float | None:
     """Growth of the envelope of a free response over the second half of a record.
 
-    The extremes between sign changes about the mean are fitted by e^(g t); a record without three extremes there is
-    taken as aperiodic and |y| itself is fitted.
+    The extremes between sign changes are fitted by e^(g t), over as much more of the record as it takes to have three
+    of them; a record that does not change its sign in its second half is aperiodic and |y| itself is fitted.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def envelope_growth(t: ArrayLike, y: ArrayLike) -> float | None:
     Returns
     -------
     growth : float or None
-        g; None where the record is too short or zero. [1/s]
+        g; None where the record is too short, or zero. [1/s]
 
     References
     ----------
@@ -195,13 +195,16 @@ def envelope_growth(t: ArrayLike, y: ArrayLike) -> float | None:
     """
     t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
     half = len(t) // 2
-    t, y = t[half:], y[half:]
-    if len(t) < 8 or not np.abs(y).max() > 0.0:
+    if len(t) < 16 or not np.abs(y).max() > 0.0:
         return None
-    try:
-        return log_decrement(t, y).growth
-    except ValueError:
-        pass
+    for part in (slice(half, None), slice(len(t) // 5, None), slice(None)):
+        try:
+            return log_decrement(t[part], y[part]).growth
+        except ValueError:
+            continue
+    t, y = t[half:], y[half:]
+    if np.any(np.signbit(y) != np.signbit(y[0])):
+        return None
     size = np.abs(y)
     if size.min() <= 1e-12 * size.max():
         return None

@@ -111,8 +111,9 @@ def ensemble(
 ) -> Ensemble:
     """Run every variant `runs` times.
 
-    A batch of runs is one task: it prepares its variant once. Ctrl-C (KeyboardInterrupt) waits for nothing: what is done
-    is kept in the journal and returned with `done` false for the rest; with the same journal the next call goes on.
+    A batch of runs is one task: it prepares its variant once. On Ctrl-C (KeyboardInterrupt) tasks that have not begun
+    are cancelled; what is done is in the journal and returned, with `done` false for the rest; with the same journal
+    the next call goes on.
 
     Parameters
     ----------
@@ -235,7 +236,7 @@ def _results(left: list[tuple[int, int]], arguments: Any, executor: Executor | N
 
 def _collected(names: list[str], runs: int, finished: dict[tuple[int, int], dict[str, Any]]) -> Ensemble:
     """Arrays from the tasks that are there."""
-    channels = next((f["channels"] for f in finished.values()), [])
+    channels: list[str] = next((f["channels"] for f in finished.values()), [])
     shape = (len(names), runs)
     peak, rms = np.full((*shape, len(channels)), np.nan), np.full((*shape, len(channels)), np.nan)
     duration, survived, done = np.full(shape, np.nan), np.zeros(shape, bool), np.zeros(shape, bool)

@@ -189,7 +189,7 @@ class ModelRows:
                         f"a continuous controller cannot read the accelerometer {name!r} without a bandwidth: give the "
                         "sensor bandwidth_rad_s, or sample the controller (dt_s)"
                     )
-                return self._from_rest(self._sensor_row(sensor, None))
+                return self._sensor_row(sensor, None)
         raise ValueError(f"the controller reads {name!r}, which is not measured; channels: {', '.join(self.channels)}")
 
     @property
@@ -276,12 +276,12 @@ class ModelRows:
         self.acceleration[:, :, rates] += self.jump[:, n : 2 * n]
         for sensor in self.lagging:
             at = self.lag_at[sensor.name]
-            value = self._from_rest(self._sensor_row(sensor, self.acceleration))
+            value = self._sensor_row(sensor, self.acceleration)
             assert sensor.bandwidth is not None
             self.Z[:, at] = sensor.bandwidth * (value - self._unit(at))
 
     def _sensor_row(self, sensor: Sensor, acceleration: Array | None) -> Array:
-        """What a sensor feels, before its lag."""
+        """What a sensor feels, before its lag: displacements from the equilibrium; at rest there is no acceleration."""
         row = self._row()
         for weights, source in (
             (sensor.displacement, self.q),
@@ -289,12 +289,14 @@ class ModelRows:
             (sensor.acceleration, acceleration),
         ):
             if len(weights) and source is not None:
-                row = row + np.einsum("i,kic->kc", np.asarray(weights), source)
+                felt = np.einsum("i,kic->kc", np.asarray(weights), source)
+                row = row + (self._from_rest(felt) if source is self.q else felt)
         return row
 
     def _outputs(self) -> Array:
         """Rows of all outputs, from the equilibrium."""
-        names, rows = [*self.displacements, *self.rates], [*np.moveaxis(self.q, 1, 0), *np.moveaxis(self.v, 1, 0)]
+        names = [*self.displacements, *self.rates]
+        rows = [*map(self._from_rest, np.moveaxis(self.q, 1, 0)), *np.moveaxis(self.v, 1, 0)]
         for name, delta, command in zip(self.controls, self.delta, self.command):
             names += [f"{name}_rad", f"{name}_command_rad"]
             rows += [delta, command]
@@ -309,7 +311,7 @@ class ModelRows:
             lagged = sensor.bandwidth is not None
             rows.append(self._unit(self.lag_at[sensor.name]) if lagged else self._sensor_row(sensor, self.acceleration))
         self.outputs = names
-        return np.stack([self._from_rest(row) for row in rows], axis=1)
+        return np.stack(rows, axis=1)
 
 
 def equilibrium(rows: ModelRows) -> Array:
