@@ -4,7 +4,8 @@
 
 Needs XFOIL 6.99 (Debian: apt-get install xfoil) and a C compiler, see aeroservo/aero/polars_xfoil.py. The outline is
 deflected by aeroservo/aero/airfoil_deflect.py, so every source of polars sees the same shape. Two runs give the same
-files: XFOIL starts afresh for every deflection and Reynolds number.
+files: XFOIL starts afresh for every deflection and Reynolds number. What is done is kept in the cache, so that a run
+that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from aeroservo.aero.polars_xfoil import Xfoil, xfoil_points
 
 HINGE = 0.75
 OPTIONS = Xfoil(alpha_to=float(np.radians(16.0)), seconds=120.0)
-DEFLECTIONS_DEG = np.arange(-10.0, 15.1, 2.5)
+DEFLECTIONS_DEG = {"hinged": np.arange(-10.0, 15.1, 2.5), "morphed": np.arange(-10.0, 15.1, 5.0)}
 REYNOLDS = (0.5e6, 1.0e6, 1.5e6, 2.5e6)
 SOURCE = "XFOIL 6.99, Ncrit 9, free transition, incompressible, MH 62, control over the last 25 % of the chord"
 
@@ -43,11 +44,11 @@ def table(kind: str) -> list[str]:
         "# made by scripts/make_polars.py; CM about the quarter chord; only converged points, wild ones dropped",
         "reynolds,delta_deg,alpha_deg,CL,CD,CM",
     ]
-    jobs = [(re, d) for re in REYNOLDS for d in DEFLECTIONS_DEG]
+    jobs = [(re, d) for re in REYNOLDS for d in DEFLECTIONS_DEG[kind]]
 
     def points(job: tuple[float, float]) -> np.ndarray:
         re, d = job
-        return xfoil_points(outline(kind, d), re, options=OPTIONS, cache=False)
+        return xfoil_points(outline(kind, d), re, options=OPTIONS, cache=True)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         for (re, d), rows in zip(jobs, pool.map(points, jobs)):
