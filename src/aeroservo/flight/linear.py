@@ -226,7 +226,7 @@ def pitch_rate_transfer(derivatives: LongitudinalDerivatives, airframe: Airframe
     numerator : ndarray, shape (2,)
         Falling powers of s. With Z_wdot = Z_q = M_wdot = M_q = 0: s m M_delta + M_w Z_delta - M_delta Z_w.
     denominator : ndarray, shape (3,)
-        The same: s^2 I_y m - s I_y Z_w - m U M_w.
+        The same: s^2 I_y m - s I_y Z_w - m U M_w; the quotient is in 1/s. [SI]
 
     Raises
     ------

@@ -100,7 +100,7 @@ def rotation_to_earth(phi: ArrayLike, theta: ArrayLike, psi: ArrayLike) -> Array
     Returns
     -------
     R : ndarray, shape (..., 3, 3)
-        Orthogonal; Earth = R body.
+        Orthogonal; Earth = R body. [-]
 
     References
     ----------
@@ -156,7 +156,7 @@ def rigid_body_rates(
     Returns
     -------
     rate : ndarray, shape (..., 12)
-        Derivative of the state; complex if an argument is.
+        Derivative of the state; complex if an argument is. [SI, per second]
 
     References
     ----------
@@ -201,7 +201,7 @@ def aircraft_rates(
     Parameters
     ----------
     state : array_like, shape (..., 12)
-        As in `rigid_body_rates`; u must not be zero.
+        As in `rigid_body_rates`; u must not be zero. [SI]
     controls : array_like, shape (..., 4)
         Elevator, aileron, rudder [rad] and thrust increment [N].
     aerodynamics : Aerodynamics
@@ -214,7 +214,7 @@ def aircraft_rates(
     Returns
     -------
     rate : ndarray, shape (..., 12)
-        Derivative of the state.
+        Derivative of the state. [SI, per second]
 
     References
     ----------
@@ -247,7 +247,7 @@ def mechanical_energy(state: ArrayLike, *, mass: float, inertia: ArrayLike, grav
     Parameters
     ----------
     state : array_like, shape (..., 12)
-        As in `rigid_body_rates`.
+        As in `rigid_body_rates`. [SI]
     mass : float
         Mass. [kg]
     inertia : array_like, shape (3, 3)
@@ -262,7 +262,7 @@ def mechanical_energy(state: ArrayLike, *, mass: float, inertia: ArrayLike, grav
 
     References
     ----------
-    Classical mechanics; the invariant of `rigid_body_rates` without force and moment.
+    H. Goldstein, Classical Mechanics, 2nd ed., 1980, chapter 5: what `rigid_body_rates` keeps without force and moment.
 
     Examples
     --------
@@ -282,7 +282,7 @@ def angular_momentum(state: ArrayLike, inertia: ArrayLike) -> Array:
     Parameters
     ----------
     state : array_like, shape (..., 12)
-        As in `rigid_body_rates`.
+        As in `rigid_body_rates`. [SI]
     inertia : array_like, shape (3, 3)
         Inertia tensor. [kg m^2]
 
@@ -293,7 +293,7 @@ def angular_momentum(state: ArrayLike, inertia: ArrayLike) -> Array:
 
     References
     ----------
-    Classical mechanics; the invariant of `rigid_body_rates` without moment.
+    H. Goldstein, Classical Mechanics, 2nd ed., 1980, chapter 5: what `rigid_body_rates` keeps without moment.
 
     Examples
     --------

@@ -39,7 +39,7 @@ class LongitudinalCoefficients:
     CL0, CL_alpha, CL_delta : float
         Lift at zero incidence [-], per radian of incidence and of elevon. [1/rad]
     CM0, CM_alpha, CM_delta : float
-        The same of the moment, nose up, by the chord.
+        The same of the moment, nose up, by the chord. [-, 1/rad, 1/rad]
     CL_q, CM_q, CL_alphadot, CM_alphadot : float
         Per q c/(2V) and per alpha-dot c/(2V). [-]
     CD0, CD_CL2 : float

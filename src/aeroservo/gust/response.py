@@ -35,7 +35,7 @@ def series(plant: Matrices, shaping: Matrices) -> tuple[Array, Array, Array, Arr
     Returns
     -------
     A, B, C, D : ndarray, shapes (..., n + k, n + k), (..., n + k, m_e), (..., n_y, n + k), (..., n_y, m_e)
-        The two in series; states of the plant first.
+        The two in series; states of the plant first. [SI]
 
     Raises
     ------
@@ -44,7 +44,7 @@ def series(plant: Matrices, shaping: Matrices) -> tuple[Array, Array, Array, Arr
 
     References
     ----------
-    T. Kailath, Linear Systems, 1980, on systems in cascade.
+    T. Kailath, Linear Systems, 1980, chapter 2, on systems in cascade.
 
     Examples
     --------
@@ -120,11 +120,11 @@ def frequency_response(plant: Matrices, omega: ArrayLike) -> Array:
     Returns
     -------
     H : complex ndarray, shape (n_w, n_y, m)
-        C (i omega - A)^-1 B + D.
+        C (i omega - A)^-1 B + D. [outputs per unit of inputs]
 
     References
     ----------
-    Definition, with the time factor e^(+i omega t).
+    T. Kailath, Linear Systems, 1980, chapter 2; time factor e^(+i omega t).
 
     Examples
     --------
@@ -162,7 +162,7 @@ def frequency_grid(A: ArrayLike, low: float, high: float, *, per_decade: int = 2
 
     References
     ----------
-    Project convention; the spacing follows the half-width |Re(lambda)| of a resonance.
+    Project convention: the spacing follows the half-width |Re(lambda)| of a resonance.
 
     Examples
     --------

@@ -37,13 +37,13 @@ class DiscreteNoise:
     Ad : ndarray, shape (..., n, n)
         Transition over one step. [-]
     Qd : ndarray, shape (..., n, n)
-        Covariance of the noise of one step, Ld Ld^T.
+        Covariance of the noise of one step, Ld Ld^T. [states squared]
     Ld : ndarray, shape (..., n, n)
-        A factor of it.
+        A factor of it. [states]
     C : ndarray, shape (..., n_y, n)
-        Outputs.
+        Outputs. [outputs per state]
     P : ndarray, shape (..., n, n)
-        Stationary covariance of x, from which a record starts.
+        Stationary covariance of x, from which a record starts. [states squared]
     dt : float
         Step. [s]
     outputs : tuple of str
@@ -180,12 +180,12 @@ def stationary_covariance(A: ArrayLike, B: ArrayLike) -> Array:
     A : array_like, shape (..., n, n)
         System matrix, all eigenvalues in the left half plane. [1/s]
     B : array_like, shape (..., n, m)
-        Inputs, independent unit white noises.
+        Inputs, independent unit white noises. [states/sqrt(s)]
 
     Returns
     -------
     P : ndarray, shape (..., n, n)
-        Solution of A P + P A^T + B B^T = 0.
+        Solution of A P + P A^T + B B^T = 0. [states squared]
 
     Raises
     ------
@@ -240,7 +240,7 @@ def discrete_psd(noise: DiscreteNoise, omega: ArrayLike) -> Array:
 
     References
     ----------
-    A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, on noise through linear systems.
+    A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, 1989, chapter 2, noise through linear systems.
 
     Examples
     --------
@@ -274,7 +274,7 @@ def folded_psd(psd: Callable[[Array], Array], omega: ArrayLike, dt: float, *, fo
     Returns
     -------
     Phi : ndarray, shape (...)
-        Sum over n of psd(|omega + 2 pi n/dt|).
+        Sum over n of psd(|omega + 2 pi n/dt|). [as psd]
 
     Raises
     ------
