@@ -13,6 +13,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from aeroservo.aircraft.files import write_whole
 from aeroservo.report.figures import as_bytes, plot_flutter
 from aeroservo.report.thesis_figures import plot_fixed_k, plot_flutter_prediction, plot_response_against_speed
@@ -306,7 +308,7 @@ def _run_json(run: Run) -> dict[str, Any]:
             {
                 "name": name,
                 "speed_m_s": _numbers(found.speeds[:, j]),
-                "frequency_rad_s": _numbers(found.frequency[:, j]),
+                "frequency_rad_s": _numbers(np.where(np.isfinite(found.roots[:, j]), found.frequency[:, j], np.nan)),
                 "damping_ratio": _numbers(found.damping_ratio[:, j]),
             }
             for j, name in enumerate(found.names)

@@ -16,6 +16,7 @@ from aeroservo.report.style import (
     mark_speeds,
     new_figure,
     nothing_to_show,
+    shade_unstable,
     shared_legend,
     speed_axis,
     style,
@@ -73,6 +74,7 @@ def plot_response_against_speed(static: StaticResult, flutter: FlutterResult, *,
         nothing_to_show(ax, "nothing to show in this range")
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_ylim(-105.0, 105.0)
+    shade_unstable(ax, flutter)
     marks = (("flutter", flutter.flutter_speed), ("divergence", static.divergence.V), ("reversal", static.reversal.V))
     mark_speeds(ax, static.V, marks)
     incompressible = any("Mach 0.3" in note for note in flutter.warnings)
