@@ -130,3 +130,11 @@ def test_pair_of_a_mode_and_a_lag_has_the_name_of_the_mode():
     met = branches_of(0.5 + 0j, 0.5 + 1e-6, -3.0, names=("lag 1", "heave", "pitch"))
     assert met.name_at(3.0, 0.5 + 0j, meeting=True) == "heave"
     assert met.name_at(3.0, 0.5 + 0j) == "lag 1"
+
+
+def test_real_root_that_passes_one_at_rest_has_the_name_of_the_one_that_is_unstable_beside():
+    # real roots keep their order, so the one at rest goes on as the unstable one, and the other stays at zero
+    V = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    roots = np.stack([[0.0, 0.0, 1e-12, 1.0, 2.0], [-2.0, -1.0, 0.0, 1e-12, 0.0], np.full(5, -9.0)], axis=1)
+    passing = Branches(V=V, roots=roots + 0j, names=("heave", "bending 1", "pitch"), primary=np.ones(3, dtype=bool))
+    assert passing.name_at(3.0, 0j) == "heave"

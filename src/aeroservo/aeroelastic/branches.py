@@ -17,6 +17,9 @@ from aeroservo.structure.modal import natural_modes
 
 Array = NDArray[Any]
 
+AT_REST = 1e-6
+"""Roots smaller than this part of the largest lie at zero, as far as names are concerned."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Branches:
@@ -41,10 +44,15 @@ class Branches:
 
     def name_at(self, V: float, root: complex, *, meeting: bool = False) -> str:
         """Name of the branch at a root; of two that share a pair or meet there, a mode before a lag."""
-        row = self.roots[int(np.argmin(np.abs(self.V - V)))]
+        i = int(np.argmin(np.abs(self.V - V)))
+        row = self.roots[i]
         distance = np.where(np.isfinite(row), np.abs(row - root), np.inf)
         mirrored = np.where(np.isfinite(row), np.abs(row - np.conj(root)), np.inf)
         candidates = [int(np.argmin(distance)), int(np.argmin(mirrored))]
+        resting = np.flatnonzero(distance <= AT_REST * np.nanmax(np.abs(row)))
+        if root == 0.0 and resting.size > 1:  # one passes, the others stay at zero: the one that is unstable beside V
+            around = self.roots[max(i - 1, 0) : i + 2][:, resting]
+            return self.names[resting[int(np.argmax(np.nanmax(around.real, axis=0)))]]
         if meeting:
             candidates = [int(j) for j in np.argsort(distance, kind="stable")[:2]]
         return self.names[min(candidates, key=lambda j: (self.names[j].startswith("lag "), j))]
