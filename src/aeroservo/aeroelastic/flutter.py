@@ -121,7 +121,7 @@ class FlutterResult:
     @property
     def frequency(self) -> Array:
         """Frequencies |Im s| of the branches, shape (n_points, n_branches). [rad/s]"""
-        return np.abs(self.roots.imag)
+        return np.where(np.isfinite(self.roots.real), np.abs(self.roots.imag), np.nan)
 
     @property
     def damping_ratio(self) -> Array:

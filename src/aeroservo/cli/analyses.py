@@ -120,7 +120,7 @@ def static(
     if plot is not None:
         from aeroservo.report.figures import static_figure
 
-        draw(plot, static_figure(found, f"{file.name}: statics at {air(head)}"))
+        draw(plot, static_figure(found, f"{file.name}: statics at {air(head)}", a_sound=float(sweep.a_sound[0])))
     if as_json:
         print_json(head | content)
         return

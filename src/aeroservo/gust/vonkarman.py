@@ -255,8 +255,8 @@ def blockset_core(component: Component) -> tuple[Array, Array, Array]:
 
     References
     ----------
-    MathWorks, Aerospace Blockset reference, 2015, "Von Karman Wind Turbulence Model (Continuous)"; coefficients written from
-    memory of it and checked for consistency with the exact spectra at low frequency only.
+    MathWorks, Aerospace Blockset reference, 2015, "Von Karman Wind Turbulence Model (Continuous)"; coefficients written
+    from memory of it and checked for consistency with the exact spectra at low frequency only.
 
     Examples
     --------
