@@ -136,3 +136,15 @@ def test_several_surfaces_and_lumps():
     assert d.of("Cn", "beta") > 0
     data["mass"] = []
     assert "no [[mass]] items" in AircraftFile.model_validate(data).problems()[-1]
+
+
+@pytest.mark.parametrize(("reading", "low", "high"), [("same_drop", 1.26, 1.40), ("same_slope", 0.64, 0.71)])
+def test_morphed_against_hinged_elevon(reading, low, high):
+    """Lift per degree of a morphed elevon over a hinged one: the ranges of the case `thesis_wing`."""
+    lift = {}
+    for kind in ("hinged", "morphed"):
+        data = changed("surface", 0, "control", 0, "kind", kind)
+        data["surface"][0]["control"][0]["reading"] = reading
+        model = AircraftFile.model_validate(data)
+        lift[kind] = lattice_coefficients(aircraft_lattice(model.surfaces(), model.references())).CL_delta[0]
+    assert low < lift["morphed"] / lift["hinged"] < high

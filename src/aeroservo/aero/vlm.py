@@ -236,7 +236,8 @@ def lattice(surfaces: Sequence[LatticeSurface], *, full: bool = False) -> Lattic
     Returns
     -------
     Lattice
-        The panels.
+        The panels. Where one surface lies behind another in the same plane, their strips should have the same edges: a
+        control point close to another strip's trailing vortex feels its singular core, not a wake.
 
     Raises
     ------
