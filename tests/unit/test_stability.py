@@ -121,3 +121,16 @@ def test_shallow_crossing_is_refined_past_the_neutral_band():
     found = search(lambda V: pair(3e-2 * (1e-4 - (V - 3.3) ** 2), 40.0), np.linspace(3.0, 3.6, 7), 40.0)
     assert [b.opens for b in found] == [True, False]
     np.testing.assert_allclose([b.V for b in found], [3.29, 3.31], rtol=REFINED)
+
+
+@pytest.mark.parametrize("gap", [1e-3, -1e-3])
+def test_pair_and_its_real_roots_that_change_a_little_apart_are_one_split(gap):
+    # p-k: the pair is last seen at 3.3 + gap, its two real roots first at 3.3
+    def values_at(V):
+        swinging = np.where((V < 3.3 + gap)[:, None], pair(1.0 + 0.0 * V, 0.01 + 3.4 - np.minimum(V, 3.4)), np.nan)
+        real = np.where(np.greater(V, 3.3)[:, None], np.stack([1.0 + 0.1 * V, 1.0 - 0.1 * V], axis=1), np.nan)
+        return np.hstack([swinging, real + 0j])
+
+    found = search(values_at, [2.9, 3.1, 3.5, 3.6], 2.0)
+    assert [b.kind for b in found] == ["split"]
+    assert [b.V for b in found] == pytest.approx([3.3], abs=1.01e-3)

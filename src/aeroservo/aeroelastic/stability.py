@@ -26,6 +26,9 @@ NEUTRAL = 1e-9
 CROSSES = 1e-6
 """Growth below this part of the frequency scale, where a boundary was refined to, is a crossing of zero."""
 
+SPLIT_GAP = 1e-3
+"""A pair and the two real roots that it becomes may change at speeds this part of the speed apart (p-k, g)."""
+
 NARROWEST = 1e-4
 """Two boundaries closer than this part of the speed may be seen as one or none."""
 
@@ -150,9 +153,10 @@ def boundaries(values_at: Callable[[Array], Array], mesh: Array, values: Array, 
     low, high = _isolated(values_at, mesh, values, scale)
     if not low.size:
         return []
+    low, high = _joined(values_at, low, high, scale)
     before, after = (np.stack(unstable_counts(values_at(V), scale), axis=1) for V in (low, high))
     split = ((after - before)[:, 0] * (after - before)[:, 1]) < 0
-    found = _splits(values_at, low[split], high[split], before[split], scale)
+    found = _splits(values_at, low[split], high[split], before[split], after[split], scale)
     for kind, oscillatory in enumerate((True, False)):
         counts = before[~split, kind], after[~split, kind]
         found += _crossings(values_at, low[~split], high[~split], counts, oscillatory, scale, (mesh[0], mesh[-1]))
@@ -260,6 +264,24 @@ def _isolated(values_at: Callable[[Array], Array], mesh: Array, values: Array, s
         low, high = new_low, new_high
 
 
+def _joined(values_at: Callable[[Array], Array], low: Array, high: Array, scale: float) -> tuple[Array, Array]:
+    """Cells in which a pair goes and its two real roots come, or the reverse, as one.
+
+    p-k and g take aperiodic roots from another matrix than oscillations, so the two need not change at one speed.
+    """
+    order = np.argsort(low)
+    low, high = low[order], high[order]
+    before, after = (np.stack(unstable_counts(values_at(V), scale), axis=1) for V in (low, high))
+    change = (after - before).tolist()
+    keep = np.ones(len(low), dtype=bool)
+    for j in range(len(low) - 1):
+        together = sorted([change[j], change[j + 1]])
+        near = low[j + 1] - high[j] <= SPLIT_GAP * high[j]
+        if keep[j] and near and together in ([[-1, 0], [0, 2]], [[0, -2], [1, 0]]):
+            high[j], keep[j + 1] = high[j + 1], False
+    return low[keep], high[keep]
+
+
 def _crossings(
     values_at: Callable[[Array], Array],
     low: Array,
@@ -331,7 +353,7 @@ def _crossings(
 
 
 def _splits(
-    values_at: Callable[[Array], Array], low: Array, high: Array, before: Array, scale: float
+    values_at: Callable[[Array], Array], low: Array, high: Array, before: Array, after: Array, scale: float
 ) -> list[Boundary]:
     """Where an unstable pair becomes two unstable real roots, or the reverse."""
     if not low.size:
@@ -341,10 +363,10 @@ def _splits(
         same = np.all(np.stack(unstable_counts(values_at(middle), scale), axis=1) == before, axis=1)
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     found = []
-    for V, values, pairs_before in zip(high, values_at(high), before[:, 0]):
-        pairs = int(unstable_counts(values[None], scale)[0][0])
-        pair = values_at(low[high == V][:1])[0] if pairs < pairs_before else values
+    for j, V in enumerate(high):
+        splits = bool(after[j, 0] < before[j, 0])
+        pair = values_at(np.array([low[j] if splits else V]))[0]
         unstable = pair[(pair.imag > 0.0) & (pair.real > 0.0)]
         root = complex(unstable[np.argmin(unstable.imag)].real) if unstable.size else 0j
-        found.append(Boundary(V=float(V), kind="split" if pairs < pairs_before else "merge", opens=True, root=root))
+        found.append(Boundary(V=float(V), kind="split" if splits else "merge", opens=True, root=root))
     return found
