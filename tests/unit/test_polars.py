@@ -189,6 +189,9 @@ def test_driver_explains_what_is_wrong(tmp_path, monkeypatch):
         program = fake_xfoil(tmp_path, body)
         points = xfoil_points(foil, 1e6, options=Xfoil(executable=program, seconds=1.0), cache=False)
         assert points.shape == (0, 4)  # nothing converged, and no hang
+    program = fake_xfoil(tmp_path, "sleep 60\n")
+    xfoil_points(foil, 1e6, options=Xfoil(executable=program, seconds=0.3), folder=tmp_path / "cache")
+    assert not list((tmp_path / "cache").glob("*"))  # a run cut short is not remembered as the answer
     with pytest.raises(ValueError, match="reynolds must be > 0"):
         xfoil_points(foil, -1.0)
     with pytest.raises(ValueError, match="hold zero"):

@@ -179,7 +179,7 @@ def xfoil_points(
     options : Xfoil
         How to run.
     cache : bool
-        Keep the result on disk, keyed by outline and options.
+        Keep the result on disk, keyed by outline and options, unless the wall-clock limit cut it short.
     folder : Path, optional
         Folder of the cache.
 
@@ -212,9 +212,12 @@ def xfoil_points(
     def compute() -> np.ndarray:
         return _run(foil, reynolds, options)
 
-    if not cache:
-        return compute()
-    return cached_array(["xfoil 1", foil.points, float(reynolds), repr(options)], compute, folder=folder)
+    try:
+        if not cache:
+            return compute()
+        return cached_array(["xfoil 1", foil.points, float(reynolds), repr(options)], compute, folder=folder)
+    except _TimeUp as partial:
+        return partial.rows
 
 
 def _header(line: str) -> dict[str, float]:
@@ -260,7 +263,18 @@ def _run(foil: Airfoil, reynolds: float, options: Xfoil) -> np.ndarray:
             _half(session, sign, end, library, found)
     rows = np.array([found[key] for key in sorted(found)]).reshape(-1, 4)
     rows = rows[np.all(np.isfinite(rows), axis=1) & (rows[:, 2] > 0.0)]
-    return reject_wild_points(rows)
+    kept = reject_wild_points(rows)
+    if time.monotonic() >= deadline:
+        raise _TimeUp(kept)
+    return kept
+
+
+class _TimeUp(Exception):
+    """The wall-clock limit struck: what was found is good, but not all there is, so it is not kept in the cache."""
+
+    def __init__(self, rows: np.ndarray) -> None:
+        super().__init__("XFOIL's time was up")
+        self.rows = rows
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
