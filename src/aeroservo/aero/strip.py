@@ -83,7 +83,7 @@ Theory = QuasiSteady | Indicial | Theodorsen
 
 
 def strip_aero(
-    strips: Strips, shapes: StripShapes, names: tuple[str, ...], theory: Theory
+    strips: Strips, shapes: StripShapes, names: tuple[str, ...], theory: Theory, *, axis_moment_rolls: bool = True
 ) -> tuple[RationalAero | SampledAero, StaticLoads]:
     """Generalised air forces of strips on modes, and the lift and rolling moment in the same columns.
 
@@ -102,6 +102,9 @@ def strip_aero(
         Names of the modes.
     theory : QuasiSteady, Indicial or Theodorsen
         Section theory.
+    axis_moment_rolls : bool
+        Whether the moment about a swept axis counts in the rolling moment; the thesis' wings, whose sweep is
+        V cos(Lambda) and nothing else, leave it out.
 
     Returns
     -------
@@ -148,7 +151,9 @@ def strip_aero(
         aero = _rational(wagner, kussner, A, circulation, Q_fixed, gust - n, b_ref, inputs, strips)
     static = np.concatenate([np.einsum("scd,sdj->scj", section.static, full), fixed], axis=2)
     rows = np.zeros((2, len(strips.y), work.shape[1]))
-    rows[0, :, 0], rows[1, :, 0], rows[1, :, 1] = -1.0, -strips.y, np.sin(strips.sweep)
+    rows[0, :, 0], rows[1, :, 0] = -1.0, -strips.y
+    if axis_moment_rolls:
+        rows[1, :, 1] = np.sin(strips.sweep)
     per_length = static * np.cos(strips.sweep)[:, None, None] ** 2
     loads = StaticLoads(
         names=("lift", "roll"),

@@ -247,7 +247,7 @@ def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticMo
         span=w.semi_span_m * float(np.cos(sweep)),
     )
     shapes = strip_shapes(modes, strips.sweep, bending_slope=False)
-    aero, loads = strip_aero(strips, shapes, modes.names, theory)
+    aero, loads = strip_aero(strips, shapes, modes.names, theory, axis_moment_rolls=False)
     mass = w.semi_span_m * (w.mass_kg_per_m2 * w.chord_m + w.leading_edge_mass_kg_per_m) + centre
     return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=mass)
 
