@@ -31,6 +31,7 @@ from aeroservo.cli.options import (
     sweep_of,
 )
 from aeroservo.cli.output import heading, not_yet, number, print_json, table, write_json
+from aeroservo.cli.sensitivities import print_sensitivities, sensitivity_rows
 
 if TYPE_CHECKING:
     from aeroservo.aeroelastic.flutter import FlutterResult
@@ -84,7 +85,7 @@ def flutter(
     sensitivities : bool
         Derivatives of the speeds.
     plot : Path, optional
-        Figure of frequency and damping against speed.
+        Figure of frequency and damping against speed; with `sensitivities` a tornado chart.
     as_json : bool
         As JSON.
 
@@ -99,8 +100,8 @@ def flutter(
     checked_output(out, (".json",), "--out")
     if controller is not None:
         not_yet("--controller (closing the loop)")
-    if sensitivities:
-        not_yet("--sensitivities")
+    if sensitivities and over:
+        raise ValueError("--sensitivities and --over are two questions: ask one at a time")
     file, built, notes = load(model, aero, speeds)
     theory, chosen = _choice(file, aero, method, fit_bound)
     low, high, step = sweep_of(file, speeds)
@@ -117,10 +118,13 @@ def flutter(
     tell(notes)
     head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
     content = head | {"method": found.method, "aero": theory, "speeds_m_s": [low, high, step]} | speeds_content(found)
-    if plot is not None:
+    title = f"{file.name}: {found.method} method, air forces {theory}, {air(head)}"
+    if sensitivities:
+        word = aero.value if aero else None
+        content["sensitivities"] = sensitivity_rows(file, sweep, chosen, aero=word, plot=plot, title=title)
+    elif plot is not None:
         from aeroservo.report.figures import flutter_figure
 
-        title = f"{file.name}: {found.method} method, air forces {theory}, {air(head)}"
         draw(plot, flutter_figure(found, title))
     if out is not None:
         write_json(out, content)
@@ -128,6 +132,8 @@ def flutter(
         print_json(content)
     else:
         _print_flutter(content)
+        if sensitivities:
+            print_sensitivities(content["sensitivities"])
 
 
 def speeds_content(found: FlutterResult) -> dict[str, Any]:

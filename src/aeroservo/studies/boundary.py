@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Most points of one sweep.
 MOST = 100_000
+#: The one field that is not a number of the model file.
+ALTITUDE = "altitude_m"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +34,7 @@ class Over:
     Attributes
     ----------
     field : str
-        Dotted path, as `aircraft.overrides` takes it.
+        Dotted path, as `aircraft.overrides` takes it; or "altitude_m", of the standard atmosphere.
     values : tuple of float
         Ascending. [unit of the field, in its name]
     """
@@ -109,7 +111,6 @@ def flutter_boundary(
     """
     from aeroservo.aeroelastic.build import build
     from aeroservo.aeroelastic.flutter import flutter
-    from aeroservo.aircraft.overrides import override
 
     count = math.prod(len(one.values) for one in over)
     if len(over) not in (1, 2) or len({one.field for one in over}) != len(over):
@@ -119,12 +120,13 @@ def flutter_boundary(
     fields = [one.field for one in over]
     grid = list(product(*(one.values for one in over)))
     for values in _extremes(over):  # refuse before the first hour of work, not after it
-        override(model, dict(zip(fields, values)))
+        varied(model, fields, values, sweep)
     header = _header(model, over, sweep, method, aero)
     with _Journal(journal, header) as kept:
         points = list(kept.points[:count])
         for values in grid[len(points) :]:
-            found = flutter(build(override(model, dict(zip(fields, values))), aero), sweep, method)
+            file, here = varied(model, fields, values, sweep)
+            found = flutter(build(file, aero), here, method)
             point = Point(
                 values=values,
                 found=found.found,
@@ -160,14 +162,52 @@ def boundary_problems(model: FileModel, over: tuple[Over, ...]) -> tuple[str, ..
     ValueError
         If a field does not exist or a value is not allowed.
     """
-    from aeroservo.aircraft.overrides import override
-
     found = []
     for values in _extremes(over):
         changes = {one.field: value for one, value in zip(over, values)}
         where = ", ".join(f"{field} = {value:g}" for field, value in changes.items())
-        found += [f"at {where}: {p}" for p in override(model, changes).problems() if p not in model.problems()]
+        file = varied(model, list(changes), values, None)[0]
+        found += [f"at {where}: {p}" for p in file.problems() if p not in model.problems()]
     return tuple(found)
+
+
+def varied(
+    model: FileModel, fields: list[str], values: tuple[float, ...], sweep: FlightCondition | None
+) -> tuple[FileModel, Any]:
+    """The model and the sweep with some numbers changed; `altitude_m` is a number of the sweep.
+
+    Parameters
+    ----------
+    model : FileModel
+        From `aeroservo.read`.
+    fields : list of str
+        What varies.
+    values : tuple of float
+        Their values. [unit of each field]
+    sweep : FlightCondition, optional
+        Speeds; with `altitude_m` among the fields, in the air of that altitude. [m/s, kg/m^3]
+
+    Returns
+    -------
+    model : FileModel
+        Checked again.
+    sweep : FlightCondition or None
+        At the altitude. [m/s, kg/m^3]
+
+    Raises
+    ------
+    ValueError
+        If a field does not exist, or a value is not allowed.
+    """
+    from aeroservo.aircraft.overrides import override
+    from aeroservo.datatypes import FlightCondition
+
+    changes = dict(zip(fields, values))
+    altitude = changes.pop(ALTITUDE, None)
+    if altitude is not None:
+        at = FlightCondition.at(altitude, V=1.0 if sweep is None else sweep.V)
+        sweep = None if sweep is None else at
+    return (override(model, changes) if changes else model), sweep
 
 
 def _extremes(over: tuple[Over, ...]) -> Iterator[tuple[float, ...]]:
