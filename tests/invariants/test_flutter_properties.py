@@ -261,19 +261,19 @@ def test_random_beams_on_three_grids(seeds):
 
 @pytest.mark.parametrize("kind", ["section", "assumed"])
 def test_sampled_air_forces_on_three_grids(kind):
-    found = [p for seed in range(5) for p in grid_problems(kind, seed, "theodorsen", PK(), 15)]
+    found = [p for seed in range(4) for p in grid_problems(kind, seed, "theodorsen", PK(), 15)]
     assert not found, "\n".join(found)
 
 
-@pytest.mark.parametrize("kind", ["section", "assumed"])
-def test_p_pk_k_and_g_agree_on_the_same_rational_air_forces(kind):
-    found = [p for seed in range(8) for p in method_problems(kind, seed, "jones", (P(), PK(), K(), G()))]
+@pytest.mark.parametrize(("kind", "count"), [("section", 8), ("assumed", 3)])
+def test_p_pk_k_and_g_agree_on_the_same_rational_air_forces(kind, count):
+    found = [p for seed in range(count) for p in method_problems(kind, seed, "jones", (P(), PK(), K(), G()))]
     assert not found, "\n".join(found)
 
 
-@pytest.mark.parametrize("kind", ["section", "assumed"])
-def test_pk_k_and_g_agree_on_the_same_samples(kind):
-    found = [p for seed in range(20, 26) for p in method_problems(kind, seed, "theodorsen", (PK(), K(), G()))]
+@pytest.mark.parametrize(("kind", "count"), [("section", 6), ("assumed", 3)])
+def test_pk_k_and_g_agree_on_the_same_samples(kind, count):
+    found = [p for seed in range(20, 20 + count) for p in method_problems(kind, seed, "theodorsen", (PK(), K(), G()))]
     assert not found, "\n".join(found)
 
 

@@ -127,7 +127,9 @@ def test_shallow_crossing_is_refined_past_the_neutral_band():
 def test_pair_and_its_real_roots_that_change_a_little_apart_are_one_split(gap):
     # p-k: the pair is last seen at 3.3 + gap, its two real roots first at 3.3
     def values_at(V):
-        swinging = np.where((V < 3.3 + gap)[:, None], pair(1.0 + 0.0 * V, 0.01 + 3.4 - np.minimum(V, 3.4)), np.nan)
+        swinging = np.where(
+            np.less(V, 3.3 + gap)[:, None], pair(1.0 + 0.0 * V, 0.01 + 3.4 - np.minimum(V, 3.4)), np.nan
+        )
         real = np.where(np.greater(V, 3.3)[:, None], np.stack([1.0 + 0.1 * V, 1.0 - 0.1 * V], axis=1), np.nan)
         return np.hstack([swinging, real + 0j])
 

@@ -341,13 +341,18 @@ def _crossings(
 
         if back.size:
             V[back] = bracketed_roots(plain, far[crossed], V[back], at_far[crossed], at_edge[crossed])
-    kind: Kind = "oscillatory" if oscillatory else "real"
-    found = []
     passes = np.abs(height(V, every)) <= CROSSES * scale  # else a root that came or went where it was
-    for speed, unstable in zip(V[passes], opens[passes]):
+    return _at_crossings(values_at, V[passes], opens[passes], oscillatory)
+
+
+def _at_crossings(values_at: Callable[[Array], Array], V: Array, opens: Array, oscillatory: bool) -> list[Boundary]:
+    """Boundaries at refined speeds, each with the root that is neutral there."""
+    found = []
+    for speed, unstable in zip(V, opens):
         values = values_at(np.array([speed]))[0]
         member = values[values.imag > 0.0] if oscillatory else np.zeros(1, dtype=complex)
         root = 1j * member[np.argmin(np.abs(member.real))].imag
+        kind: Kind = "oscillatory" if oscillatory else "real"
         found.append(Boundary(V=float(speed), kind=kind, opens=bool(unstable), root=complex(root)))
     return found
 
