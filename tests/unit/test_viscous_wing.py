@@ -183,3 +183,23 @@ def test_wing_polar_of_every_deflection(model):
     assert np.all(np.diff(CL, axis=0) > 0.05) and np.all(np.diff(CM, axis=0) < -0.015)
     assert np.all([p.CD_induced < p.CD for p in found])
     assert np.all(np.diff(CL, axis=1) > 0)
+
+
+def test_morphed_beside_hinged(model):
+    """Figures 22-25 side by side: at one lift coefficient the wing's L/D differs by little, as the thesis found."""
+    other = model.model_copy(
+        update={
+            "surface": (
+                model.surface[0].model_copy(
+                    update={"control": (model.surface[0].control[0].model_copy(update={"kind": "morphed"}),)}
+                ),
+            )
+        }
+    )
+    alpha = np.radians(np.arange(0.0, 9.0))
+    best = {}
+    for name, this in (("hinged", model), ("morphed", other)):
+        (found,) = wing_polar(this, alpha=alpha, delta=np.radians([5.0]), speed=SPEED, method=OPTIONS)
+        best[name] = np.interp(0.4, found.CL, found.lift_to_drag)
+        assert not np.any(found.stalled)
+    assert best["morphed"] == pytest.approx(best["hinged"], rel=0.08)

@@ -81,7 +81,8 @@ def shipped_polar(name: str, kind: str) -> Polar:
     Returns
     -------
     Polar
-        MH 62 for Reynolds numbers 0.5 to 2.5 million and -10 to 15 degrees of deflection, Ncrit 9, free transition.
+        MH 62 for Reynolds numbers 0.5 to 2.5 million and -10 to 15 degrees of deflection (in steps of 2.5 degrees, the
+        morphed one of 5), Ncrit 9, free transition.
 
     Raises
     ------
