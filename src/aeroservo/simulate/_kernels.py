@@ -17,6 +17,7 @@ from numba import njit
 
 SPRING, TABLE, CLIP, COSINE, PLAY = 0, 1, 2, 3, 4
 OVERFLOW = 1e30
+PARTS = 16  # of a step in which an element turns a corner
 
 
 @njit(cache=True, nogil=True)
@@ -162,6 +163,36 @@ def step_rk4(
 
 
 @njit(cache=True, nogil=True)
+def branch(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
+    """Number of the smooth piece in which the elements are, after `elements` has filled xi."""
+    n_col = Z.shape[1]
+    code = 0
+    for j in range(kinds.shape[0]):
+        kind = kinds[j]
+        if kind == COSINE:
+            continue
+        y = 0.0
+        for i in range(n_col):
+            y += Z[n_x + j, i] * xi[i]
+        piece = 0
+        if kind == TABLE:
+            while piece < int(pars[j, 2]) and y > pars[j, 3 + piece]:
+                piece += 1
+            code = code * 97 + piece
+            continue
+        middle = memory[j] if kind == PLAY else 0.0
+        width = pars[j, 1] if kind == SPRING else pars[j, 0]
+        if y > middle + width:
+            piece = 1
+        elif y < middle - width:
+            piece = 2
+        if kind == SPRING and width == 0.0:
+            piece = 0
+        code = code * 97 + piece
+    return code
+
+
+@njit(cache=True, nogil=True)
 def settle_elements(Z, n_x, first, kinds, pars, memory, stops, x, xi):  # pragma: no cover - compiled
     """After a step: hard stops of the surfaces, and the memory of elements with play."""
     for j in range(stops.shape[0]):
@@ -203,7 +234,12 @@ def run(
     y, work, command = np.zeros(n_y), np.zeros(ctrl.shape[2] + 1), np.zeros(ctrl_map.shape[0])
     Z0, Zh, Z1 = knots[0].copy(), knots[0].copy(), knots[0].copy()
     Phi, drive = exact
+    back = np.zeros(n_x)
     moving = knots.shape[0] > 1
+    corners = False
+    for j in range(n_phi):
+        if kinds[j] != COSINE and not (kinds[j] == SPRING and pars[j, 1] == 0.0):
+            corners = True
     written = 0
     h = dt / n_sub
     xi[n_col - 1] = 1.0
@@ -295,8 +331,34 @@ def run(
                     interpolate(knots, per_knot, k + f0, Z0)
                     interpolate(knots, per_knot, k + 0.5 * (f0 + f1), Zh)
                     interpolate(knots, per_knot, k + f1, Z1)
+                for i in range(n_x):
+                    back[i] = x[i]
                 step_rk4(Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h, k, f0, f1,
                          held, path, speed, dt, cosines, offsets, k1, k2)  # fmt: skip
+                if corners:
+                    # a corner inside the step: take it again in small steps, so that the error stays small
+                    wind(xi, n_x, held, k, path, speed, dt, f1, cosines, offsets)
+                    for i in range(n_x):
+                        xi[i] = x[i]
+                    elements(Z1, n_x, first, kinds, pars, memory, xi)
+                    after = branch(Z1, n_x, first, kinds, pars, memory, xi)
+                    wind(xi, n_x, held, k, path, speed, dt, f0, cosines, offsets)
+                    for i in range(n_x):
+                        xi[i] = back[i]
+                    elements(Z0, n_x, first, kinds, pars, memory, xi)
+                    if after != branch(Z0, n_x, first, kinds, pars, memory, xi):
+                        for i in range(n_x):
+                            x[i] = back[i]
+                        for part in range(PARTS):
+                            g0 = f0 + (f1 - f0) * part / PARTS
+                            g1 = f0 + (f1 - f0) * (part + 1.0) / PARTS
+                            if moving:
+                                interpolate(knots, per_knot, k + g0, Z0)
+                                interpolate(knots, per_knot, k + 0.5 * (g0 + g1), Zh)
+                                interpolate(knots, per_knot, k + g1, Z1)
+                            step_rk4(Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h / PARTS, k, g0, g1,
+                                     held, path, speed, dt, cosines, offsets, k1, k2)  # fmt: skip
+                            settle_elements(Z1, n_x, first, kinds, pars, memory, stops, x, xi)
                 if stops.shape[0] > 0 or n_phi > 0:
                     settle_elements(Z1, n_x, first, kinds, pars, memory, stops, x, xi)
                 if trace.shape[0] > 0:

@@ -144,8 +144,9 @@ def run_prepared(prepared: Prepared, *, seed: int = 0, progress: Callable[[float
     every = max(1, round(stepping.record_s / p.dt) if stepping.record_s else -(-total // 20_000))
     state = RunState(p, seed)
     records, done, code, row = [], 0, 0, -1
+    piece = max(1, PIECE // p.per_knot) * p.per_knot  # knots fall on the same times whatever the pieces
     while done < total and code == 0:
-        n = min(PIECE, total - done)
+        n = min(piece, total - done)
         record = np.zeros((n // every + 1 if stepping.history else 0, len(names)))
         code, steps, written, row = state.advance(done, n, every, record, np.zeros((0, 0)))
         records.append(record[:written])

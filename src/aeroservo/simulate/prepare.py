@@ -18,7 +18,7 @@ from aeroservo.simulate.state import RunState
 STEPS_PER_PERIOD = 30
 """Runge-Kutta steps in the shortest period before the halving check."""
 
-INTERPOLATION = 1e-6
+INTERPOLATION = 1e-7
 """Largest error of rows between knots, part of the largest entry of each row."""
 
 PROBE_S = 2.0
@@ -27,8 +27,8 @@ PROBE_S = 2.0
 BASE_STEP = 1e-3
 """Base step where none is asked for. [s]"""
 
-ROUGH = 1e-4
-"""Tolerance of the halving check for models with corners."""
+ROUGH = 1e-5
+"""Tolerance of the halving check for models with corners (clips, play, gaps, tables)."""
 
 HALVINGS = 7
 """Halvings before the check gives up and says so."""

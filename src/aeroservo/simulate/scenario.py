@@ -28,7 +28,7 @@ class Stepping:
         "auto" is exact where the model allows it.
     tolerance : float
         Largest difference between a step and its half over the halving check, part of each state's largest value;
-        1e-4 is taken for models with clips, play, gaps or tables. [-]
+        1e-5 at least is taken for models with clips, play, gaps or tables. [-]
     record_s : float, optional
         Step of the history; default about 20,000 samples in a run. [s]
     history : bool
