@@ -134,7 +134,7 @@ def strip_aero(
     b_ref = float(np.average(strips.b, weights=strips.width))
     ratio = strips.b / (b_ref * np.cos(strips.sweep))
     weight = strips.width * np.cos(strips.sweep) ** 2
-    A = [np.einsum("s,sci,scd,sdj->ij", weight * ratio**j, work, section.A[j], full) for j in range(3)]
+    A = [_work_done(weight * ratio**j, work, section.A[j] @ full) for j in range(3)]
     circulation = _Circulation(
         R=np.einsum("s,sci,sc->si", weight, work, section.R),
         w0=np.einsum("sd,sdj->sj", section.w0, full),
@@ -142,14 +142,14 @@ def strip_aero(
         ratio=ratio,
     )
     fixed, inputs = _fixed_columns(strips, section, names)
-    Q_fixed = np.einsum("s,sci,scj->ij", weight, work, fixed)
+    Q_fixed = _work_done(weight, work, fixed)
     n, gust = len(names), [i.kind for i in inputs].index("gust")
     if isinstance(theory, Theodorsen):
         aero: RationalAero | SampledAero = _sampled(theory, A, circulation, Q_fixed, gust - n, b_ref, inputs, strips)
     else:
         wagner, kussner = (theory.wagner, theory.kussner) if isinstance(theory, Indicial) else (NO_WAKE, NO_WAKE)
         aero = _rational(wagner, kussner, A, circulation, Q_fixed, gust - n, b_ref, inputs, strips)
-    static = np.concatenate([np.einsum("scd,sdj->scj", section.static, full), fixed], axis=2)
+    static = np.concatenate([section.static @ full, fixed], axis=2)
     rows = np.zeros((2, len(strips.y), work.shape[1]))
     rows[0, :, 0], rows[1, :, 0] = -1.0, -strips.y
     if axis_moment_rolls:
@@ -157,13 +157,19 @@ def strip_aero(
     per_length = static * np.cos(strips.sweep)[:, None, None] ** 2
     loads = StaticLoads(
         names=("lift", "roll"),
-        Q=np.einsum("s,lsc,scj->lj", weight, rows, static),
+        Q=_work_done(weight, np.moveaxis(rows, 0, 2), static),
         y=strips.y,
         width=strips.width,
         lift=-per_length[:, 0],
         torque=per_length[:, 1],
     )
     return aero, loads
+
+
+def _work_done(weight: Array, work: Array, force: Array) -> Array:
+    """Sum over strips and coordinates of weight (s,) times work (s, c, i) times force (s, c, j)."""
+    weighted = weight[:, None, None] * work
+    return np.asarray(weighted.reshape(-1, work.shape[2]).T @ force.reshape(-1, force.shape[2]))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,11 +14,12 @@ search ends.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from aeroservo.aero.strip import QuasiSteady, Strips, Theory, strip_aero, strip_shapes
+from aeroservo.aero.strip import Indicial, QuasiSteady, Strips, Theory, strip_aero, strip_shapes
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.datatypes import AeroelasticModel, Array, ModalModel
 from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
@@ -30,6 +31,9 @@ BEAM_MODES = 8
 
 STRIP_PARTS, PART_POINTS = 8, 6
 """Parts of the span, at least, with boundaries at stations and ends of the elevon; strips are Gauss points in each."""
+
+LAGGING_PARTS = 3
+"""The same for indicial theories on a wing whose chord varies, where each strip brings lag states of its own."""
 
 STATIC_DEGREE = 5
 """Degree of the deflection in each part, for statics: products with the loads are integrated exactly by the strips."""
@@ -74,21 +78,26 @@ def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
     (8, 64)
     """
     beam = slender_beam(model)
-    nodes = _parts(model, beam)
-    s, width = gauss_points(nodes, PART_POINTS)
-    strips = _strips(model, beam, s, width)
-    points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
     rigid = {"clamped": 0, "free": 2 if beam.symmetry == "symmetric" else 1}[beam.root]
     mass = float(np.trapezoid(beam.mass, beam.y)) + sum(lump.mass for lump in beam.masses)
-    limit = static_limit(beam, strips, s)
+    nodes = _parts(model, beam, STRIP_PARTS)
+    s, width = gauss_points(nodes, PART_POINTS)
+    limit = static_limit(beam, _strips(model, beam, s, width), s)
 
-    def coupled(basis: ModalModel, section: Theory, statics: AeroelasticModel | None) -> AeroelasticModel:
-        aero, loads = strip_aero(strips, strip_shapes(basis, strips.sweep), basis.names, section)
-        loads = replace(loads, weight=_weight(beam, basis, points, width), limit=limit)
-        return AeroelasticModel(modes=basis, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
+    def coupled(
+        basis: Callable[[Array], ModalModel], section: Theory, nodes: Array, statics: AeroelasticModel | None
+    ) -> AeroelasticModel:
+        s, width = gauss_points(nodes, PART_POINTS)
+        points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
+        strips, shapes = _strips(model, beam, s, width), basis(points)
+        aero, loads = strip_aero(strips, strip_shapes(shapes, strips.sweep), shapes.names, section)
+        loads = replace(loads, weight=_weight(beam, shapes, points, width), limit=limit)
+        return AeroelasticModel(modes=shapes, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
 
-    statics = coupled(_strain_modes(beam, points, nodes), QuasiSteady(damped=False), None)
-    return coupled(modes(beam, n=BEAM_MODES + rigid, points=points), theory, statics)
+    statics = coupled(lambda x: _strain_modes(beam, x, nodes), QuasiSteady(damped=False), nodes, None)
+    if isinstance(theory, Indicial) and len({station.chord_m for station in model.wing.station}) > 1:
+        nodes = _parts(model, beam, LAGGING_PARTS)
+    return coupled(lambda x: modes(beam, n=BEAM_MODES + rigid, points=x), theory, nodes, statics)
 
 
 def slender_beam(model: BeamWing) -> SlenderBeam:
@@ -183,11 +192,11 @@ def static_limit(beam: SlenderBeam, strips: Strips, s: Array) -> float:
     return float(min(limits))
 
 
-def _parts(model: BeamWing, beam: SlenderBeam) -> Array:
+def _parts(model: BeamWing, beam: SlenderBeam, count: int) -> Array:
     """Boundaries of the parts of the span along the axis."""
     elevon = model.wing.elevon
     breaks = np.unique(np.concatenate([beam.y, [elevon.from_y_m, elevon.to_y_m] if elevon else []]))
-    parts = np.maximum(1, np.round(STRIP_PARTS * np.diff(breaks) / beam.length)).astype(int)
+    parts = np.maximum(1, np.round(count * np.diff(breaks) / beam.length)).astype(int)
     return np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
 
 

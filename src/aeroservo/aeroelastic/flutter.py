@@ -202,7 +202,7 @@ def flutter(model: AeroelasticModel, sweep: FlightCondition, method: Method = PK
     if isinstance(method, K):
         names, speeds, roots, shapes = k_curves(model, sweep)
     else:
-        names, roots, shapes = _on_sweep(branches, fresh_roots(sweep.V), sweep.V)
+        names, roots, shapes = _on_sweep(branches, fresh_roots(sweep.V), sweep.V, intervals)
         speeds = np.broadcast_to(sweep.V[:, None], roots.shape)
     onset = _onset(changes, intervals)
     real = [b.V for b in changes if (b.kind == "real" and b.opens) or b.kind == "split"]
@@ -338,11 +338,13 @@ def _onset(changes: Sequence[Boundary], intervals: Sequence[Interval]) -> Bounda
     return next((b for b in changes if b.kind == "oscillatory" and b.opens), None)
 
 
-def _on_sweep(branches: Branches, found: RootSet, V: Array) -> tuple[tuple[str, ...], Array, Array]:
+def _on_sweep(
+    branches: Branches, found: RootSet, V: Array, intervals: Sequence[Interval]
+) -> tuple[tuple[str, ...], Array, Array]:
     """Named branches, and lag branches that are ever unstable, at the speeds of the sweep."""
     values = branches.roots[np.searchsorted(branches.V, V)]
     lag = np.array([name.startswith("lag ") for name in branches.names])
-    unstable = np.any(np.where(np.isfinite(values.real), values.real, -1.0) > 0.0, axis=0)
+    unstable = np.array([any(i.mode == name for i in intervals) for name in branches.names])
     shown = np.flatnonzero(branches.primary & (~lag | unstable))
     start = np.where(np.isfinite(branches.roots[0]), branches.roots[0].imag, 0.0)
     shown = shown[np.lexsort((start[shown], lag[shown]))]
