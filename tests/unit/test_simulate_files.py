@@ -13,7 +13,7 @@ from aeroservo.datatypes import LinearSystem
 from aeroservo.simulate.controller import controller_of, read_controller
 from aeroservo.simulate.disturbances import CosineGust, Gustiness, SharpGust, parse_gust
 from aeroservo.simulate.history import Event, TimeHistory, even, read_history, unit_of, write_history
-from aeroservo.simulate.identify import envelope_growth, era, limit_cycle, log_decrement
+from aeroservo.simulate.identify import envelope_growth, era, limit_cycle, log_decrement, pencil_growth
 from aeroservo.simulate.profiles import Profile, climb, level
 
 
@@ -99,6 +99,17 @@ def test_log_decrement_and_era_find_what_was_put_in() -> None:
     assert [m.frequency for m in modes] == pytest.approx([20.0, 25.0], rel=1e-9)
     assert [m.growth for m in modes] == pytest.approx([-0.5, -0.2], rel=1e-7)
     assert modes[0].share > modes[1].share
+
+
+def test_growth_is_not_misled_by_beats() -> None:
+    """Two modes that beat, both decaying, in a record of half a beat: the envelope grows, the pencil does not."""
+    t = np.linspace(0.0, 5.0, 2001)
+    y = np.exp(-0.05 * t) * (np.sin(20.0 * t) - np.sin(20.6 * t))
+    envelope, pencil = envelope_growth(t, y), pencil_growth(t, y)
+    assert envelope is not None and envelope > 0.05
+    assert pencil == pytest.approx(-0.05, abs=1e-6)
+    assert pencil_growth(t, np.random.default_rng(1).standard_normal(2001)) is None
+    assert pencil_growth(t, np.exp(0.4 * t) - 5.0 * np.exp(-3.0 * t)) == pytest.approx(0.4, rel=1e-6)
 
 
 def test_era_stands_noise() -> None:

@@ -11,7 +11,7 @@ from aeroservo.simulate._kernels import COSINE
 from aeroservo.simulate.assemble import Stepper
 from aeroservo.simulate.disturbances import CosineGust
 from aeroservo.simulate.history import TimeHistory
-from aeroservo.simulate.identify import LimitCycle, envelope_growth, limit_cycle
+from aeroservo.simulate.identify import LimitCycle, envelope_growth, limit_cycle, pencil_growth
 
 if TYPE_CHECKING:
     from aeroservo.simulate.scenario import Scenario
@@ -58,8 +58,9 @@ class Outcome:
 def judge(history: TimeHistory, s: Stepper, scenario: Scenario, *, failed: bool, noisy: bool) -> Outcome:
     """Growth, limit cycle and boundedness of a history.
 
-    A run without noise, in a flight that does not change, is bounded if its free response does not grow or ends in a
-    limit cycle; any other if the last fifth of it reaches no more than three times what came before.
+    Growth is that of the exponential that dominates the end of the free response, or of its envelope where it is no sum
+    of exponentials. A run without noise, in a flight that does not change, is bounded if its free response does not
+    grow or ends in a limit cycle; any other if the last fifth of it reaches no more than three times what came before.
 
     Parameters
     ----------
@@ -92,7 +93,11 @@ def judge(history: TimeHistory, s: Stepper, scenario: Scenario, *, failed: bool,
         t, v = history.t[free], history[rate][free]
         loud = np.flatnonzero(np.abs(v) > 1e-8 * np.abs(v).max(initial=0.0))
         if loud.size:
-            growth = envelope_growth(t[: loud[-1] + 1], v[: loud[-1] + 1])
+            t, v = t[: loud[-1] + 1], v[: loud[-1] + 1]
+            half = len(t) // 2
+            growth = pencil_growth(t[half:], v[half:])
+            if growth is None:
+                growth = envelope_growth(t, v)
     cycle = None
     if not failed and np.any(s.elements.kinds != COSINE) and np.count_nonzero(free) > 64:
         cycle = limit_cycle(history.t[free], y[free])
@@ -145,5 +150,7 @@ def quiet_from(scenario: Scenario) -> float:
 def _rate_channel(s: Stepper, channel: str) -> str:
     """Rate of a coordinate: it has no mean, wherever the coordinate comes to rest."""
     stem, _, unit = channel.rpartition("_")
-    rate = f"{stem}_rate_{unit}_s"
-    return rate if rate in s.outputs else channel
+    for rate in (f"{stem}_rate_{unit}_s", f"{channel}_rate_1_s"):
+        if rate in s.outputs:
+            return rate
+    return channel
