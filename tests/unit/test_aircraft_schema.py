@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from aeroservo.aero.vlm import VortexLattice
+from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice, lattice_coefficients
 from aeroservo.aircraft.aircraft_schema import AircraftFile
-from aeroservo.studies.lattice import aircraft_lattice, lattice_coefficients
 
 PRESET = tomllib.loads((files("aeroservo.aircraft") / "presets" / "thesis-uav.toml").read_text(encoding="utf-8"))
 AVL_CL0 = (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice
 from aeroservo.aircraft.avl import parse_avl, read_avl
-from aeroservo.studies.lattice import aircraft_lattice
 
 WING = """Thesis wing         ! title
 #Mach

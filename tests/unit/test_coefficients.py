@@ -14,9 +14,9 @@ from aeroservo.aero.coefficients import (
 )
 from aeroservo.aero.coefficients_csv import linear_fit, read_coefficients
 from aeroservo.aero.vlm import VortexLattice
+from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice, lattice_coefficients
 from aeroservo.aircraft.files import read
 from aeroservo.aircraft.geometry import ReferenceQuantities
-from aeroservo.studies.lattice import aircraft_lattice, lattice_coefficients
 
 TWO_ROUTES = 1e-9  # converted coefficients against a lattice solved with the new references
 

@@ -10,8 +10,8 @@ from aeroservo.aero.trefftz import induced_drag
 from aeroservo.aero.viscous_wing import WingSections, marks_in_words, trimmed, viscous_wing
 from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aero.vlm_loads import span_loading
+from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice
 from aeroservo.aircraft.files import read
-from aeroservo.studies.lattice import aircraft_lattice
 from aeroservo.studies.wing_polar import SEA_LEVEL_VISCOSITY, trimmed_wing, wing_polar, wing_sections
 
 EXACT = 1e-12

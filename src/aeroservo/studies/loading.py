@@ -12,7 +12,7 @@ from aeroservo.aero.vlm import VortexLattice, lattice, lattice_surface
 from aeroservo.aero.vlm_loads import lattice_loads, strip_circulation
 from aeroservo.aero.vlm_normalwash import join_normalwash, slope_normalwash
 from aeroservo.aero.vlm_solve import solve_lattice
-from aeroservo.studies.lattice import DEFAULT
+from aeroservo.aeroelastic.aircraft_lattice import DEFAULT
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,8 +12,8 @@ from aeroservo.aero.polars_points import shipped_polar
 from aeroservo.aero.viscous_wing import Trim, WingPolar, WingSections, trimmed, viscous_wing
 from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aero.vlm_loads import span_loading
+from aeroservo.aeroelastic.aircraft_lattice import DEFAULT, AircraftLattice, aircraft_lattice, hinge_of
 from aeroservo.aircraft.aircraft_schema import AircraftFile
-from aeroservo.studies.lattice import DEFAULT, AircraftLattice, aircraft_lattice, hinge_of
 
 #: Kinematic viscosity of air at sea level, ISO 2533. [m^2/s]
 SEA_LEVEL_VISCOSITY = 1.4607e-5
