@@ -46,7 +46,7 @@ def evaluated(value: Any, data: dict[str, Any]) -> Any:
         return [evaluated(item, data) for item in value]
     if not isinstance(value, dict):
         return value
-    if "name" in value:
+    if set(value) == {"name"}:
         return _named(value["name"])
     if "call" not in value:
         return {key: evaluated(item, data) for key, item in value.items()}
