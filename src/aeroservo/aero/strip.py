@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from aeroservo.aero.indicial import KUSSNER_SEARS_SPARKS, WAGNER_R_T_JONES, IndicialFunction, sears_function
-from aeroservo.aero.strip_geometry import Strips, StripShapes, strip_shapes
+from aeroservo.aero.strip_geometry import StripControl, Strips, StripShapes, strip_shapes
 from aeroservo.aero.theodorsen import section_air, theodorsen_function
 from aeroservo.datatypes import AeroInput, Array, RationalAero, SampledAero, StaticLoads
 
@@ -24,6 +24,7 @@ __all__ = [
     "NO_WAKE",
     "Indicial",
     "QuasiSteady",
+    "StripControl",
     "StripShapes",
     "Strips",
     "Theodorsen",
@@ -87,10 +88,10 @@ def strip_aero(
 ) -> tuple[RationalAero | SampledAero, StaticLoads]:
     """Generalised air forces of strips on modes, and the lift and rolling moment in the same columns.
 
-    Columns are the modes, the control "elevon" (where a section carries one; quasi-steady with every
-    theory), the gust "gust" (met by every strip at once, its phase at the leading edges), and the
-    steady columns "incidence" (1 rad of the whole wing, in the plane of the flow), "camber" (built-in
-    incidence and moment) and "roll_rate" (helix angle p s / V of 1, starboard wing down).
+    Columns are the modes, the control "elevon" (where a section carries one) and the strips' `controls`
+    (quasi-steady with every theory), the gust "gust" (met by every strip at once, its phase at the leading
+    edges), and the steady columns "incidence" (1 rad of the whole wing, in the plane of the flow), "camber"
+    (built-in incidence and moment) and "roll_rate" (helix angle p s / V of 1, starboard wing down).
 
     Parameters
     ----------
@@ -224,11 +225,14 @@ def _fixed_columns(strips: Strips, section: _Section, names: tuple[str, ...]) ->
     chord, n_c = 2.0 * strips.b, section.R.shape[1]
     per_angle = section.R / np.cos(strips.sweep)[:, None]
     columns, inputs = [], [AeroInput(name=name, kind="mode") for name in names]
+    controls = list(strips.controls)
     if np.any(strips.elevon_lift) or np.any(strips.elevon_moment):
-        elevon = np.zeros((len(chord), n_c))
-        elevon[:, 0], elevon[:, 1] = -chord * strips.elevon_lift, chord**2 * strips.elevon_moment
-        columns.append(elevon)
-        inputs.append(AeroInput(name="elevon", kind="control"))
+        controls.insert(0, StripControl(name="elevon", lift=strips.elevon_lift, moment=strips.elevon_moment))
+    for control in controls:
+        column = np.zeros((len(chord), n_c))
+        column[:, 0], column[:, 1] = -chord * control.lift, chord**2 * control.moment
+        columns.append(column)
+        inputs.append(AeroInput(name=control.name, kind="control"))
     columns += [per_angle, per_angle]
     inputs += [AeroInput(name="gust", kind="gust"), AeroInput(name="incidence", kind="steady")]
     camber = section.R * strips.incidence[:, None]

@@ -10,6 +10,28 @@ from aeroservo.datatypes import Array, ModalModel, frozen
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class StripControl:
+    """Section derivatives of one control, on every strip that feels it.
+
+    Attributes
+    ----------
+    name : str
+        Name of its column.
+    lift, moment : ndarray, shape (n_strips,)
+        Of the section normal to the axis, per radian: lift, and moment about the flexural axis, nose up. [1/rad]
+    """
+
+    name: str
+    lift: Array
+    moment: Array
+
+    def __post_init__(self) -> None:
+        """Lock the arrays."""
+        for name in ("lift", "moment"):
+            object.__setattr__(self, name, frozen(getattr(self, name), ndim=1, name=f"{name} of {self.name!r}"))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Strips:
     """Strips of a half wing, in order along the flexural axis.
 
@@ -39,6 +61,8 @@ class Strips:
         Distance of the tip from the plane of symmetry. [m]
     hinge : float, optional
         Flap hinge, semi-chords aft of mid-chord, where a flap is one of the coordinates. [-]
+    controls : tuple of StripControl
+        Controls beside the elevon, or in its place.
     """
 
     y: Array
@@ -55,6 +79,7 @@ class Strips:
     cm0: Array
     span: float
     hinge: float | None = None
+    controls: tuple[StripControl, ...] = ()
 
     def __post_init__(self) -> None:
         """Broadcast every array over the strips, lock and check them."""
@@ -68,6 +93,12 @@ class Strips:
             raise ValueError("sweep must lie between -90 and 90 degrees")
         if not self.span > 0.0:
             raise ValueError(f"span must be positive [m], got {self.span:g}")
+        for control in self.controls:
+            if control.lift.shape != shape or control.moment.shape != shape:
+                raise ValueError(
+                    f"control {control.name!r} must have lift and moment on every strip {shape}, got "
+                    f"{control.lift.shape} and {control.moment.shape}"
+                )
 
 
 _STRIP_ARRAYS = (

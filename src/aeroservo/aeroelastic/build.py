@@ -18,7 +18,7 @@ from aeroservo.aero.strip import (
     strip_aero,
     strip_shapes,
 )
-from aeroservo.aeroelastic.build_beam import beam_model
+from aeroservo.aeroelastic.build_beam import beam_model, beam_wing
 from aeroservo.aeroelastic.pitch_plunge import pitch_plunge_model
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.aircraft.schema_beam import BeamWing
@@ -121,7 +121,7 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
             "damping.viscous acts on the two coordinates of an assumed wing: for a beam_wing give "
             "[damping.modal], [damping.rayleigh] or [damping.hysteretic]"
         )
-    wing = beam_model(model, theory)
+    wing = beam_model(beam_wing(model), theory)
     return replace(wing, modes=_damped(wing.modes, model.damping, None))
 
 

@@ -15,7 +15,7 @@ search ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,20 +46,43 @@ GRAVITY = 9.80665
 """Standard gravity. [m/s^2]"""
 
 
-def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
-    """Beam modes at Gauss points between stations, ends of the elevon and equal parts of the span.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StripWing:
+    """A half wing as a beam with strips along it: what every kind of beam-and-strips file comes down to.
+
+    Attributes
+    ----------
+    name : str
+        Of the model.
+    beam : SlenderBeam
+        The structure.
+    strips : callable
+        Strips from their places along the flexural axis [m] and the lengths that they stand for [m], both of shape
+        (n_strips,).
+    breaks : tuple of float
+        Places along the axis at which sections change suddenly: ends of controls. [m]
+    """
+
+    name: str
+    beam: SlenderBeam
+    strips: Callable[[Array, Array], Strips]
+    breaks: tuple[float, ...] = ()
+
+
+def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
+    """Beam modes at Gauss points between stations, ends of the controls and equal parts of the span.
 
     Parameters
     ----------
-    model : BeamWing
-        The file; its damping is not applied here.
+    wing : StripWing
+        Structure and strips, of `beam_wing` or `aircraft_wing`.
     theory : QuasiSteady, Indicial or Theodorsen
         Section theory.
 
     Returns
     -------
     model : AeroelasticModel
-        With `statics`: the clamped wing in strain coordinates. [SI]
+        Undamped, with `statics`: the clamped wing in strain coordinates. [SI]
 
     Raises
     ------
@@ -73,31 +96,69 @@ def beam_model(model: BeamWing, theory: Theory) -> AeroelasticModel:
     Examples
     --------
     >>> from aeroservo.aircraft.files import read
-    >>> wing = beam_model(read("goland"), QuasiSteady())
-    >>> wing.modes.n, wing.statics.modes.n
+    >>> goland = beam_model(beam_wing(read("goland")), QuasiSteady())
+    >>> goland.modes.n, goland.statics.modes.n
     (8, 64)
     """
-    beam = slender_beam(model)
+    beam = wing.beam
     rigid = {"clamped": 0, "free": 2 if beam.symmetry == "symmetric" else 1}[beam.root]
     mass = float(np.trapezoid(beam.mass, beam.y)) + sum(lump.mass for lump in beam.masses)
-    nodes = _parts(model, beam, STRIP_PARTS)
+    nodes = _parts(wing, STRIP_PARTS)
     s, width = gauss_points(nodes, PART_POINTS)
-    limit = static_limit(beam, _strips(model, beam, s, width), s)
+    every = wing.strips(s, width)
+    limit = static_limit(beam, every, s)
 
     def coupled(
         basis: Callable[[Array], ModalModel], section: Theory, nodes: Array, statics: AeroelasticModel | None
     ) -> AeroelasticModel:
         s, width = gauss_points(nodes, PART_POINTS)
         points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
-        strips, shapes = _strips(model, beam, s, width), basis(points)
+        strips, shapes = wing.strips(s, width), basis(points)
         aero, loads = strip_aero(strips, strip_shapes(shapes, strips.sweep), shapes.names, section)
         loads = replace(loads, weight=_weight(beam, shapes, points, width), limit=limit)
-        return AeroelasticModel(modes=shapes, aero=aero, name=model.name, loads=loads, mass=mass, statics=statics)
+        return AeroelasticModel(modes=shapes, aero=aero, name=wing.name, loads=loads, mass=mass, statics=statics)
 
     statics = coupled(lambda x: _strain_modes(beam, x, nodes), QuasiSteady(damped=False), nodes, None)
-    if isinstance(theory, Indicial) and len({station.chord_m for station in model.wing.station}) > 1:
-        nodes = _parts(model, beam, LAGGING_PARTS)
+    if isinstance(theory, Indicial) and len(np.unique(every.b)) > 1:
+        nodes = _parts(wing, LAGGING_PARTS)
     return coupled(lambda x: modes(beam, n=BEAM_MODES + rigid, points=x), theory, nodes, statics)
+
+
+def beam_wing(model: BeamWing) -> StripWing:
+    """Structure and strips of a `beam_wing` file.
+
+    Parameters
+    ----------
+    model : BeamWing
+        The file; its damping is not applied here.
+
+    Returns
+    -------
+    wing : StripWing
+        For `beam_model`. [SI]
+
+    Raises
+    ------
+    ValueError
+        As `SlenderBeam`.
+
+    References
+    ----------
+    contract.md, kind "beam_wing".
+
+    Examples
+    --------
+    >>> from aeroservo.aircraft.files import read
+    >>> beam_wing(read("goland")).breaks
+    ()
+    """
+    beam, elevon = slender_beam(model), model.wing.elevon
+    return StripWing(
+        name=model.name,
+        beam=beam,
+        strips=lambda s, width: _strips(model, beam, s, width),
+        breaks=(elevon.from_y_m, elevon.to_y_m) if elevon else (),
+    )
 
 
 def slender_beam(model: BeamWing) -> SlenderBeam:
@@ -179,7 +240,7 @@ def static_limit(beam: SlenderBeam, strips: Strips, s: Array) -> float:
     --------
     >>> from aeroservo.aircraft.files import read
     >>> wing = read("goland")
-    >>> round(beam_model(wing, QuasiSteady()).loads.limit / 39005.75, 1)  # 22.8 times divergence
+    >>> round(beam_model(beam_wing(wing), QuasiSteady()).loads.limit / 39005.75, 1)  # 22.8 times divergence
     22.8
     """
     chord, sweep = 2.0 * strips.b, strips.sweep
@@ -192,11 +253,10 @@ def static_limit(beam: SlenderBeam, strips: Strips, s: Array) -> float:
     return float(min(limits))
 
 
-def _parts(model: BeamWing, beam: SlenderBeam, count: int) -> Array:
+def _parts(wing: StripWing, count: int) -> Array:
     """Boundaries of the parts of the span along the axis."""
-    elevon = model.wing.elevon
-    breaks = np.unique(np.concatenate([beam.y, [elevon.from_y_m, elevon.to_y_m] if elevon else []]))
-    parts = np.maximum(1, np.round(count * np.diff(breaks) / beam.length)).astype(int)
+    breaks = np.unique(np.concatenate([wing.beam.y, wing.breaks]))
+    parts = np.maximum(1, np.round(count * np.diff(breaks) / wing.beam.length)).astype(int)
     return np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in zip(breaks, breaks[1:], parts)]))
 
 
