@@ -18,8 +18,10 @@ from aeroservo.aero.strip import (
     strip_aero,
     strip_shapes,
 )
+from aeroservo.aeroelastic.aircraft_wing import aircraft_wing
 from aeroservo.aeroelastic.build_beam import beam_model, beam_wing
 from aeroservo.aeroelastic.pitch_plunge import pitch_plunge_model
+from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.aircraft.schema_other import ModalFile, PitchPlungeFlap
@@ -63,6 +65,7 @@ DEFAULTS = {
     "beam_wing": Default(aero="theodorsen", method="pk"),
     "pitch_plunge_flap": Default(aero=None, method="p"),
     "modal": Default(aero=None, method="pk"),
+    "aircraft": Default(aero="theodorsen", method="pk"),
 }
 """contract.md, "Default --aero by kind"."""
 
@@ -115,13 +118,13 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
         return _section(model, theory)
     if isinstance(model, BinaryWing | WholeAircraft):
         return _assumed(model, theory)
-    assert isinstance(model, BeamWing)  # DEFAULTS holds no other kind
+    assert isinstance(model, BeamWing | AircraftFile)  # DEFAULTS holds no other kind
     if model.damping is not None and model.damping.viscous is not None:
         raise ValueError(
-            "damping.viscous acts on the two coordinates of an assumed wing: for a beam_wing give "
+            f"damping.viscous acts on the two coordinates of an assumed wing: for kind {model.kind!r} give "
             "[damping.modal], [damping.rayleigh] or [damping.hysteretic]"
         )
-    wing = beam_model(beam_wing(model), theory)
+    wing = beam_model(beam_wing(model) if isinstance(model, BeamWing) else aircraft_wing(model), theory)
     return replace(wing, modes=_damped(wing.modes, model.damping, None))
 
 

@@ -92,11 +92,12 @@ def is_buildable(file: FileModel) -> bool:
     Returns
     -------
     buildable : bool
-        As far as `build` goes.
+        As far as `build` goes; an aircraft without a structure is rigid, and that is no fault.
     """
     from aeroservo.aeroelastic.build import DEFAULTS
+    from aeroservo.aircraft.aircraft_schema import AircraftFile
 
-    return file.kind in DEFAULTS
+    return file.kind in DEFAULTS and not (isinstance(file, AircraftFile) and file.structure is None)
 
 
 def rational(model: AeroelasticModel, bound: float) -> AeroelasticModel:
