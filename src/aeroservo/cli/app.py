@@ -9,6 +9,7 @@ import typer
 from aeroservo.cli import analyses, model_files, reruns
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.output import not_yet
+from aeroservo.cli.polar import polar
 from aeroservo.cli.simulate import simulate
 
 app = typer.Typer(
@@ -23,7 +24,6 @@ app = typer.Typer(
 
 #: Commands of the contract that this version does not have.
 LATER = {
-    "polar": "airfoil polars",
     "aero": "3-D coefficients and derivatives",
     "design": "controllers",
     "gust": "gust and turbulence response",
@@ -55,6 +55,7 @@ def _top(
 app.command("list", help="The presets.")(model_files.list_presets)
 app.command("new", help="Copy a preset to a model file of your own.")(model_files.new_file)
 app.command("check", help="Check a model file; print what follows from it.")(model_files.check)
+app.command("polar", help="Airfoil polars with the control deflected.")(polar)
 app.command("modes", help="Frequencies and shapes without air.")(analyses.modes)
 app.command("static", help="Divergence, control reversal, effectiveness, twist.")(analyses.static)
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
