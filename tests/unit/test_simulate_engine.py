@@ -221,7 +221,9 @@ def test_jacobian_is_the_analytic_linearisation() -> None:
         xi = np.zeros(Z.shape[1])
         xi[:n_x], xi[-1] = x, 1.0
         memory = np.zeros(n_phi)
-        return _kernels.derivative(Z, n_x, n_x + n_w + n_s, s.elements.kinds, s.elements.parameters, memory, xi)
+        return _kernels.derivative(
+            np.ascontiguousarray(Z.T), n_x, n_x + n_w + n_s, s.elements.kinds, s.elements.parameters, memory, xi
+        )
 
     assert np.abs(rate(s.equilibrium)).max() < 1e-10
     h = 1e-5

@@ -6,7 +6,8 @@ Imports nothing of ours. Every model is one stack of rows Z(t) over the columns 
     next n_phi rows:          argument of each nonlinear element, which may use elements before it
     next n_y rows:            outputs
 
-w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. All arrays
+Z is kept transposed, Z[column, row]. w are inputs that live in time (gusts), s are held over a base step (commands), phi
+are the elements' values. All arrays
 of state are changed in place, so that a run can be cut into pieces.
 """
 
@@ -17,7 +18,7 @@ from numba import njit
 
 SPRING, TABLE, CLIP, COSINE, PLAY = 0, 1, 2, 3, 4
 OVERFLOW = 1e30
-PARTS = 16  # of a step in which an element turns a corner
+SPLITS = 6  # of one step, at corners of its elements
 
 
 @njit(cache=True, nogil=True)
@@ -49,33 +50,86 @@ def element(kind, y, par, memory):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def elements(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
-    """Fill the phi columns of xi, in order."""
-    n_col = Z.shape[1]
+def piece(kind, y, par, memory):  # pragma: no cover - compiled
+    """Number of the smooth piece of an element in which its argument is: a change is a corner."""
+    if kind == TABLE:
+        i = 0
+        while i < int(par[2]) and y > par[3 + i]:
+            i += 1
+        return i
+    if kind == COSINE or (kind == SPRING and par[1] == 0.0):
+        return 0
+    middle = memory if kind == PLAY else 0.0
+    width = par[1] if kind == SPRING else par[0]
+    return 1 if y > middle + width else (2 if y < middle - width else 0)
+
+
+@njit(cache=True, nogil=True)
+def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
+    """Part of the first `count` rows that does not change inside a step: what is held, and the one."""
+    last = Z.shape[0] - 1
+    for r in range(count):
+        out[r] = Z[last, r]
+    for i in range(live, first):
+        value = xi[i]
+        if value != 0.0:
+            for r in range(count):
+                out[r] += Z[i, r] * value
+
+
+@njit(cache=True, nogil=True)
+def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # pragma: no cover - compiled
+    """Fill the phi columns of xi, in order, and their arguments."""
     for j in range(kinds.shape[0]):
-        y = 0.0
-        for i in range(n_col):
-            y += Z[n_x + j, i] * xi[i]
+        y = fixed[n_x + j]
+        for i in range(live):
+            y += Z[i, n_x + j] * xi[i]
+        for i in range(first, first + j):
+            y += Z[i, n_x + j] * xi[i]
+        args[j] = y
         xi[first + j] = element(kinds[j], y, pars[j], memory[j])
 
 
 @njit(cache=True, nogil=True)
-def rows(Z, start, count, xi, out):  # pragma: no cover - compiled
-    """out = Z[start : start + count] xi."""
-    n_col = Z.shape[1]
+def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
+    """Part of a step after which the first element leaves its smooth piece; 1 if none does. Arguments run straight."""
+    found = 1.0
+    for j in range(kinds.shape[0]):
+        here = piece(kinds[j], start[j], pars[j], memory[j])
+        if piece(kinds[j], end[j], pars[j], memory[j]) != here:
+            low, high = 0.0, 1.0
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                if piece(kinds[j], start[j] + middle * (end[j] - start[j]), pars[j], memory[j]) == here:
+                    low = middle
+                else:
+                    high = middle
+            found = min(found, high)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cover - compiled
+    """out = rows start .. start + count of Z times xi, the fixed part being known; column by column, which vectorises."""
     for r in range(count):
-        total = 0.0
-        for i in range(n_col):
-            total += Z[start + r, i] * xi[i]
-        out[r] = total
+        out[r] = fixed[start + r]
+    for i in range(live):
+        value = xi[i]
+        for r in range(count):
+            out[r] += Z[i, start + r] * value
+    for i in range(first, first + n_phi):
+        value = xi[i]
+        for r in range(count):
+            out[r] += Z[i, start + r] * value
 
 
 @njit(cache=True, nogil=True)
 def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
     """x' for a filled xi (states, inputs and the one); for tests and linearisation."""
-    out = np.empty(n_x)
-    elements(Z, n_x, first, kinds, pars, memory, xi)
-    rows(Z, 0, n_x, xi, out)
+    out, fixed = np.empty(n_x), np.empty(Z.shape[1])
+    steady(Z, Z.shape[1], n_x, first, xi, fixed)
+    elements(Z, n_x, n_x, first, kinds, pars, memory, xi, fixed, np.empty(kinds.shape[0]))
+    rows(Z, 0, n_x, n_x, first, kinds.shape[0], xi, fixed, out)
     return out
 
 
@@ -139,62 +193,38 @@ def control(
 
 @njit(cache=True, nogil=True)
 def step_rk4(
-    Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h, k, f0, f1, held, path, speed, dt, cosines, offsets, k1, k2
-):  # pragma: no cover - compiled
-    """One classical Runge-Kutta step of x; xi holds s and the one; k1, k2 are work."""
-    first = n_x + n_w + n_s
-    fh = 0.5 * (f0 + f1)
+    Z0, Zh, Z1, n_x, live, first, moving, kinds, pars, memory, xi, x, h, k, f0, f1,
+    held, path, speed, dt, cosines, offsets, fixed, args, k1, k2,
+):  # fmt: skip  # pragma: no cover - compiled
+    """One classical Runge-Kutta step of x; xi holds what is held and the one; k1, k2 are work; args: of elements at its end."""
+    n_phi = kinds.shape[0]
     for i in range(n_x):
         k1[i] = 0.0
         k2[i] = 0.0
     for stage in range(4):
         Z = Z0 if stage == 0 else (Z1 if stage == 3 else Zh)
-        wind(xi, n_x, held, k, path, speed, dt, f0 if stage == 0 else (f1 if stage == 3 else fh), cosines, offsets)
-        ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
+        if live > n_x:
+            f = f0 if stage == 0 else (f1 if stage == 3 else 0.5 * (f0 + f1))
+            wind(xi, n_x, held, k, path, speed, dt, f, cosines, offsets)
+        if moving and stage != 2:
+            steady(Z, n_x + n_phi, live, first, xi, fixed)
+        forward = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         for i in range(n_x):
-            xi[i] = x[i] + ahead * k1[i]
-        elements(Z, n_x, first, kinds, pars, memory, xi)
-        rows(Z, 0, n_x, xi, k1)
+            xi[i] = x[i] + forward * k1[i]
+        elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args)
+        rows(Z, 0, n_x, live, first, n_phi, xi, fixed, k1)
         for i in range(n_x):
             k2[i] += weight * k1[i]
     for i in range(n_x):
         x[i] += h / 6.0 * k2[i]
+        xi[i] = x[i]
+    elements(Z1, n_x, live, first, kinds, pars, memory, xi, fixed, args)
 
 
 @njit(cache=True, nogil=True)
-def branch(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
-    """Number of the smooth piece in which the elements are, after `elements` has filled xi."""
-    n_col = Z.shape[1]
-    code = 0
-    for j in range(kinds.shape[0]):
-        kind = kinds[j]
-        if kind == COSINE:
-            continue
-        y = 0.0
-        for i in range(n_col):
-            y += Z[n_x + j, i] * xi[i]
-        piece = 0
-        if kind == TABLE:
-            while piece < int(pars[j, 2]) and y > pars[j, 3 + piece]:
-                piece += 1
-            code = code * 97 + piece
-            continue
-        middle = memory[j] if kind == PLAY else 0.0
-        width = pars[j, 1] if kind == SPRING else pars[j, 0]
-        if y > middle + width:
-            piece = 1
-        elif y < middle - width:
-            piece = 2
-        if kind == SPRING and width == 0.0:
-            piece = 0
-        code = code * 97 + piece
-    return code
-
-
-@njit(cache=True, nogil=True)
-def settle_elements(Z, n_x, first, kinds, pars, memory, stops, x, xi):  # pragma: no cover - compiled
-    """After a step: hard stops of the surfaces, and the memory of elements with play."""
+def settle(n_x, first, kinds, memory, stops, x, xi):  # pragma: no cover - compiled
+    """After a step: hard stops of the surfaces, and the memory of elements with play, whose values xi holds."""
     for j in range(stops.shape[0]):
         i, r, largest = int(stops[j, 0]), int(stops[j, 1]), stops[j, 2]
         if x[i] > largest:
@@ -205,11 +235,8 @@ def settle_elements(Z, n_x, first, kinds, pars, memory, stops, x, xi):  # pragma
             x[i] = -largest
             if r >= 0 and x[r] < 0.0:
                 x[r] = 0.0
-    for i in range(n_x):
-        xi[i] = x[i]
     for j in range(kinds.shape[0]):
         if kinds[j] == PLAY:
-            elements(Z, n_x, first, kinds, pars, memory, xi)
             memory[j] = xi[first + j]
 
 
@@ -236,12 +263,9 @@ def run(
     Phi, drive = exact
     back = np.zeros(n_x)
     moving = knots.shape[0] > 1
-    corners = False
-    for j in range(n_phi):
-        if kinds[j] != COSINE and not (kinds[j] == SPRING and pars[j, 1] == 0.0):
-            corners = True
+    fixed, args, ahead = np.zeros(knots.shape[2]), np.zeros(n_phi), np.zeros(n_phi)
+    live = n_x + (n_w if cosines.shape[0] > 0 else 0)
     written = 0
-    h = dt / n_sub
     xi[n_col - 1] = 1.0
     for j in range(n_s):
         xi[n_x + n_w + j] = commands[j]  # what was held before this piece
@@ -256,9 +280,10 @@ def run(
         if ctrl_map.shape[0] > 0:
             slot = now % ring.shape[0]
             if ring.shape[0] > 1 or now % period == 0:
-                elements(Z0, n_x, first, kinds, pars, memory, xi)
+                steady(Z0, Z0.shape[1], live, first, xi, fixed)
+                elements(Z0, n_x, live, first, kinds, pars, memory, xi, fixed, ahead)
                 for i in range(ctrl_rows.shape[0]):
-                    rows(Z0, n_x + n_phi + ctrl_rows[i], 1, xi, y)
+                    rows(Z0, n_x + n_phi + ctrl_rows[i], 1, live, first, n_phi, xi, fixed, y)
                     ring[slot, i] = y[0]
                     if now == 0:
                         for older in range(ring.shape[0]):
@@ -289,8 +314,9 @@ def run(
             commands[j] = late
             commands[n_u + j] = total
         # outputs
-        elements(Z0, n_x, first, kinds, pars, memory, xi)
-        rows(Z0, n_x + n_phi, n_y, xi, y)
+        steady(Z0, Z0.shape[1], live, first, xi, fixed)
+        elements(Z0, n_x, live, first, kinds, pars, memory, xi, fixed, args)
+        rows(Z0, n_x + n_phi, n_y, live, first, n_phi, xi, fixed, y)
         for i in range(n_y):
             size = abs(y[i])
             if size > statistics[0, i]:
@@ -327,40 +353,28 @@ def run(
         else:
             for sub in range(n_sub):
                 f0, f1 = sub / n_sub, (sub + 1.0) / n_sub
-                if moving:
-                    interpolate(knots, per_knot, k + f0, Z0)
-                    interpolate(knots, per_knot, k + 0.5 * (f0 + f1), Zh)
-                    interpolate(knots, per_knot, k + f1, Z1)
-                for i in range(n_x):
-                    back[i] = x[i]
-                step_rk4(Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h, k, f0, f1,
-                         held, path, speed, dt, cosines, offsets, k1, k2)  # fmt: skip
-                if corners:
-                    # a corner inside the step: take it again in small steps, so that the error stays small
-                    wind(xi, n_x, held, k, path, speed, dt, f1, cosines, offsets)
+                goal, splits = f1, 0
+                while f0 < f1:
+                    if moving:
+                        interpolate(knots, per_knot, k + f0, Z0)
+                        interpolate(knots, per_knot, k + 0.5 * (f0 + goal), Zh)
+                        interpolate(knots, per_knot, k + goal, Z1)
                     for i in range(n_x):
-                        xi[i] = x[i]
-                    elements(Z1, n_x, first, kinds, pars, memory, xi)
-                    after = branch(Z1, n_x, first, kinds, pars, memory, xi)
-                    wind(xi, n_x, held, k, path, speed, dt, f0, cosines, offsets)
-                    for i in range(n_x):
-                        xi[i] = back[i]
-                    elements(Z0, n_x, first, kinds, pars, memory, xi)
-                    if after != branch(Z0, n_x, first, kinds, pars, memory, xi):
-                        for i in range(n_x):
-                            x[i] = back[i]
-                        for part in range(PARTS):
-                            g0 = f0 + (f1 - f0) * part / PARTS
-                            g1 = f0 + (f1 - f0) * (part + 1.0) / PARTS
-                            if moving:
-                                interpolate(knots, per_knot, k + g0, Z0)
-                                interpolate(knots, per_knot, k + 0.5 * (g0 + g1), Zh)
-                                interpolate(knots, per_knot, k + g1, Z1)
-                            step_rk4(Z0, Zh, Z1, n_x, n_w, n_s, kinds, pars, memory, xi, x, h / PARTS, k, g0, g1,
-                                     held, path, speed, dt, cosines, offsets, k1, k2)  # fmt: skip
-                            settle_elements(Z1, n_x, first, kinds, pars, memory, stops, x, xi)
-                if stops.shape[0] > 0 or n_phi > 0:
-                    settle_elements(Z1, n_x, first, kinds, pars, memory, stops, x, xi)
+                        back[i] = x[i]
+                    step_rk4(Z0, Zh, Z1, n_x, live, first, moving, kinds, pars, memory, xi, x, (goal - f0) * dt, k,
+                             f0, goal, held, path, speed, dt, cosines, offsets, fixed, ahead, k1, k2)  # fmt: skip
+                    if goal == f1 and splits < SPLITS:
+                        part = corner(kinds, pars, memory, args, ahead)
+                        if part < 1.0:  # a corner inside: step to it first, then on from it
+                            for i in range(n_x):
+                                x[i] = back[i]
+                            splits += 1
+                            goal = f0 + max(part, 1e-3) * (f1 - f0)
+                            continue
+                    settle(n_x, first, kinds, memory, stops, x, xi)
+                    for j in range(n_phi):
+                        args[j] = ahead[j]
+                    f0, goal = goal, f1
                 if trace.shape[0] > 0:
                     for i in range(n_x):
                         trace[k * n_sub + sub, i] = x[i]
