@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from aeroservo.cli import analyses, model_files, reruns
+from aeroservo.cli.aero import aero
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.output import not_yet
 from aeroservo.cli.polar import polar
@@ -24,7 +25,6 @@ app = typer.Typer(
 
 #: Commands of the contract that this version does not have.
 LATER = {
-    "aero": "3-D coefficients and derivatives",
     "design": "controllers",
     "gust": "gust and turbulence response",
     "envelope": "boundaries over speed and altitude",
@@ -56,6 +56,7 @@ app.command("list", help="The presets.")(model_files.list_presets)
 app.command("new", help="Copy a preset to a model file of your own.")(model_files.new_file)
 app.command("check", help="Check a model file; print what follows from it.")(model_files.check)
 app.command("polar", help="Airfoil polars with the control deflected.")(polar)
+app.command("aero", help="Lift, drag, moment and derivatives of the aircraft.")(aero)
 app.command("modes", help="Frequencies and shapes without air.")(analyses.modes)
 app.command("static", help="Divergence, control reversal, effectiveness, twist.")(analyses.static)
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)

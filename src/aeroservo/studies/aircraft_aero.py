@@ -11,10 +11,10 @@ import numpy as np
 from aeroservo.aero.coefficients import AeroCoefficients
 from aeroservo.aero.polars import Polar
 from aeroservo.aero.vlm import VortexLattice
-from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice, lattice_coefficients
+from aeroservo.aeroelastic.aircraft_lattice import AircraftLattice, aircraft_lattice, lattice_coefficients
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.files import read
-from aeroservo.aircraft.geometry import LiftingSurface
+from aeroservo.aircraft.geometry import ControlKind, LiftingSurface
 from aeroservo.atmosphere import atmosphere
 from aeroservo.studies.section_polar import Source, section_polar
 
@@ -141,6 +141,51 @@ def surface_polars(
     if not (speed > 0.0 and viscosity > 0.0):
         raise ValueError(f"speed [m/s] and viscosity [m^2/s] must be > 0, got {speed:g} and {viscosity:g}")
     return tuple(_surface_polar(s, speed / viscosity, np.asarray(delta, float), source) for s in model.surfaces())
+
+
+def with_control_kind(model: AircraftFile, kind: ControlKind) -> AircraftFile:
+    """The same aircraft with every control hinged, or every control morphed behind the same hinge line.
+
+    Parameters
+    ----------
+    model : AircraftFile
+        The aircraft.
+    kind : {"hinged", "morphed"}
+        Kind of the controls.
+
+    Returns
+    -------
+    model : AircraftFile
+        A copy; what equal deflection means stays as the file says.
+    """
+    surfaces = [
+        s.model_copy(update={"control": tuple(c.model_copy(update={"kind": kind}) for c in s.control)})
+        for s in model.surface
+    ]
+    return model.model_copy(update={"surface": tuple(surfaces)})
+
+
+def inputs_at_lift(found: AircraftLattice, CL: float, delta: float) -> dict[str, float]:
+    """Angle of attack, and all symmetric controls at one deflection, that carry a lift coefficient.
+
+    Parameters
+    ----------
+    found : AircraftLattice
+        The lattice.
+    CL : float
+        Lift coefficient. [-]
+    delta : float
+        Deflection, trailing edge down. [rad]
+
+    Returns
+    -------
+    inputs : dict
+        Amounts by name of input: "steady" 1, "alpha" and the controls. [rad]
+    """
+    d = found.derivatives
+    given = d.of("CL", "steady") + delta * sum(d.of("CL", name) for name in found.controls)
+    alpha = (CL - given) / d.of("CL", "alpha")
+    return {"steady": 1.0, "alpha": alpha} | dict.fromkeys(found.controls, delta)
 
 
 def _surface_polar(surface: LiftingSurface, per_metre: float, delta: np.ndarray, source: Source) -> Polar:
