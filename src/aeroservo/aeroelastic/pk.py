@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from aeroservo.aeroelastic.linear import displacement_free
 from aeroservo.aeroelastic.rootfinding import bracketed_roots
-from aeroservo.aeroelastic.roots import RootSet, frequency_scale, normalised
+from aeroservo.aeroelastic.roots import RootSet, frequency_scale, normalised, slowest
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
 
 Array = NDArray[Any]
 
-SCAN_POINTS = 14
+SCAN_POINTS = 18
 """Frequencies at which p-k and g look for brackets before refining."""
 
 NEWTON_STEPS = 14
@@ -92,11 +92,11 @@ def _coefficients(
 def frequency_roots(model: AeroelasticModel, condition: FlightCondition, *, g_method: bool = False) -> RootSet:
     """Roots by the p-k or g method.
 
-    The imaginary parts of the eigenvalues of `frequency_matrix`, in descending order, are
+    The imaginary parts of the eigenvalues of p-k's `frequency_matrix`, in descending order, are
     continuous in omega; number m of them meets omega itself at a root. Each is bracketed from
     above and refined, so every speed stands alone: nothing is carried from speed to speed and no
-    iteration can jump to another mode or fail to converge. Where number m meets omega only at zero,
-    the root is aperiodic and comes from the matrix near omega = 0 without hysteretic damping.
+    iteration can jump to another mode or fail to converge. The g method's roots are sought from
+    p-k's. Roots slower than k = 0.001 count as aperiodic and come from the matrix near k = 0.
 
     Parameters
     ----------
@@ -122,12 +122,12 @@ def frequency_roots(model: AeroelasticModel, condition: FlightCondition, *, g_me
     >>> one = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("h",))
     >>> air = SampledAero(k=[0.0], Q=[[[[0.0]]]], b=1.0, inputs=(AeroInput(name="h", kind="mode"),))
     >>> roots = frequency_roots(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[10.0], rho=1.2))
-    >>> sorted(roots.values[0].imag.round(9).tolist())
-    [-2.0, 2.0]
+    >>> round(float(np.nanmax(roots.values.imag)), 9)
+    2.0
     """
     n, n_V = model.modes.n, condition.V.size
     free = displacement_free(model.modes, model.aero)
-    n_roots = 2 * n - int(free.sum()) + (n if g_method else 0)  # the g method may have lag roots besides
+    n_roots = 3 * n - int(free.sum())  # room for aerodynamic roots beside those of the modes
     row, pair_values, pair_shapes = _oscillatory_roots(model, condition, g_method)
     real_values, real_shapes = _aperiodic_roots(model, condition, free)
     values = np.full((n_V, n_roots), np.nan, dtype=complex)
@@ -149,26 +149,54 @@ def frequency_roots(model: AeroelasticModel, condition: FlightCondition, *, g_me
 def _oscillatory_roots(
     model: AeroelasticModel, condition: FlightCondition, g_method: bool
 ) -> tuple[Array, Array, Array]:
-    """Row of the speed (ascending), value and shape of every root with a frequency."""
-    row, m, low, high, start = _brackets(model, condition, g_method)
-    values, shapes, done = _newton(model, condition[row], start, g_method)
-    done &= (values.imag >= low[0]) & (values.imag <= high[0])
-    done &= ~_repeated(row, values)
-    left = np.flatnonzero(np.isin(row, row[~done]))  # numbers at one speed are found by one way
-    if left.size:
-        n, at = model.modes.n, condition[row[left]]
+    """Row of the speed (ascending), value and shape of every root that swings: the g method starts from p-k's."""
+    row, values, shapes = _p_k_roots(model, condition)
+    if g_method:
+        found, found_shapes, done = _newton(model, condition[row], values, True)
+        done &= ~_repeated(row, np.where(done, found, values))  # two roots that would become one stay p-k's
+        values, shapes = np.where(done, found, values), np.where(done[:, None], found_shapes, shapes)
+    swinging = values.imag * model.aero.b > APERIODIC_K * condition.V[row]
+    return row[swinging], values[swinging], normalised(shapes[swinging])
+
+
+def _p_k_roots(model: AeroelasticModel, condition: FlightCondition) -> tuple[Array, Array, Array]:
+    """Row, value and shape of every oscillatory root of the p-k equation.
+
+    Root number m by bracket first, which cannot fail; then roots that the numbers hide, because another pair came
+    up inside the same cell of the scan: branches matched across a cell that fall below omega in it.
+    """
+    scan, values = _scan(model, condition)
+    over = values.imag - scan[:, None]
+    row, m, left = _numbered(over)
+    low, high = scan[left], scan[left + 1]
+    at_low, at_high = over[row, left, m], over[row, left + 1, m]
+    part = at_low / (at_low - at_high)
+    start = values[row, left, m] * (1.0 - part) + values[row, left + 1, m] * part
+    found, shapes, done = _newton(model, condition[row], start, False)
+    done &= (found.imag >= low) & (found.imag <= high) & ~_repeated(row, found)
+    again = np.flatnonzero(np.isin(row, row[~done]))  # numbers at one speed are found by one way
+    if again.size:
+        n, at = model.modes.n, condition[row[again]]
 
         def excess(omega: Array, index: Array) -> Array:
-            imaginary = _descending(frequency_matrix(model, at[index], omega, g_method=g_method), n).imag
-            return np.take_along_axis(imaginary, m[left[index], None], axis=1)[:, 0] - omega
+            imaginary = _descending(frequency_matrix(model, at[index], omega, g_method=False), n).imag
+            return np.take_along_axis(imaginary, m[again[index], None], axis=1)[:, 0] - omega
 
-        omega = bracketed_roots(excess, low[0][left], high[0][left], low[1][left], high[1][left])
-        A = frequency_matrix(model, at, omega, g_method=g_method)
-        values[left], shapes[left] = _nth_from_above(A, m[left])
-    if g_method:  # complex matrices leave aperiodic roots a little off the real axis
-        swinging = values.imag * model.aero.b > APERIODIC_K * condition.V[row]
-        row, values, shapes = row[swinging], values[swinging], shapes[swinging]
-    return row, values, normalised(shapes)
+        omega = bracketed_roots(excess, low[again], high[again], at_low[again], at_high[again])
+        A = frequency_matrix(model, at, omega, g_method=False)
+        found[again], shapes[again] = _nth_from_above(A, m[again])
+    hidden_row, hidden_left, start = _matched(over, values, row, left)
+    if not hidden_row.size:
+        return row, found, shapes
+    more, more_shapes, done = _newton(model, condition[hidden_row], start, False)
+    done &= (more.imag >= scan[hidden_left]) & (more.imag <= scan[hidden_left + 1])
+    row = np.concatenate([row, hidden_row[done]])
+    found, shapes = np.concatenate([found, more[done]]), np.concatenate([shapes, more_shapes[done]])
+    order = np.lexsort((np.abs(found), row))
+    row, found, shapes = row[order], found[order], shapes[order]
+    near = np.abs(np.diff(found)) <= 1e-8 * np.abs(found[1:])
+    fresh = np.append(True, ~(near & (np.diff(row) == 0)))
+    return row[fresh], found[fresh], shapes[fresh]
 
 
 def _repeated(row: Array, values: Array) -> Array:
@@ -182,29 +210,41 @@ def _repeated(row: Array, values: Array) -> Array:
     return repeated
 
 
-def _brackets(
-    model: AeroelasticModel, condition: FlightCondition, g_method: bool
-) -> tuple[Array, Array, tuple[Array, Array], tuple[Array, Array], Array]:
-    """Row, number m, lower and upper end (frequency and excess) and first guess of each oscillatory root."""
-    n, n_V = model.modes.n, condition.V.size
-    top = frequency_scale(model)
-    scan = np.geomspace(1e-5 * top, 2.0 * top, SCAN_POINTS)
+def _scan(model: AeroelasticModel, condition: FlightCondition) -> tuple[Array, Array]:
+    """Frequencies, few far below the structure's and more among them, and the n uppermost eigenvalues at each."""
+    n, n_V, top = model.modes.n, condition.V.size, frequency_scale(model)
+    middle = min(0.05 * slowest(model), 0.1 * top)
+    slow = np.geomspace(1e-5 * top, middle, SCAN_POINTS // 3, endpoint=False)
+    scan = np.concatenate([slow, np.geomspace(middle, 2.0 * top, SCAN_POINTS - slow.size)])
     rows, grid = np.repeat(np.arange(n_V), scan.size), np.tile(scan, n_V)
-    A = frequency_matrix(model, condition[rows], grid, g_method=g_method)
+    A = frequency_matrix(model, condition[rows], grid, g_method=False)
     values = _descending(A, n).reshape(n_V, scan.size, n)
     while np.any(values[:, -1].imag >= scan[-1]) and scan.size < SCAN_POINTS + 20:
         scan = np.append(scan, 2.0 * scan[-1])
-        A = frequency_matrix(model, condition, np.full(n_V, scan[-1]), g_method=g_method)
+        A = frequency_matrix(model, condition, np.full(n_V, scan[-1]), g_method=False)
         values = np.concatenate([values, _descending(A, n)[:, None]], axis=1)
-    over = values.imag - scan[:, None]
+    return scan, values
+
+
+def _numbered(over: Array) -> tuple[Array, Array, Array]:
+    """Row, number m and cell of the last fall below omega of the m-th largest imaginary part."""
     falls = (over[:, :-1] > 0.0) & (over[:, 1:] <= 0.0)
-    last = scan.size - 2 - np.argmax(falls[:, ::-1], axis=1)
+    last = falls.shape[1] - 1 - np.argmax(falls[:, ::-1], axis=1)
     row, m = np.nonzero(falls.any(axis=1))
-    left = last[row, m]
-    low, high = (scan[left], over[row, left, m]), (scan[left + 1], over[row, left + 1, m])
-    part = low[1] / (low[1] - high[1])
-    guess = values[row, left, m] * (1.0 - part) + values[row, left + 1, m] * part
-    return row, m, low, high, guess
+    return row, m, last[row, m]
+
+
+def _matched(over: Array, values: Array, row: Array, left: Array) -> tuple[Array, Array, Array]:
+    """Row, cell and first guess of branches that fall below omega in cells where the numbers show fewer roots."""
+    nearest = np.argmin(np.abs(values[:, :-1, :, None] - values[:, 1:, None, :]), axis=3)
+    right = np.take_along_axis(values[:, 1:], nearest, axis=2)
+    over_right = np.take_along_axis(over[:, 1:], nearest, axis=2)
+    falls = (over[:, :-1] > 0.0) & (over_right <= 0.0)
+    known = np.zeros(falls.shape[:2], dtype=int)
+    np.add.at(known, (row, left), 1)
+    i, cell, j = np.nonzero(falls & (falls.sum(axis=2) > known)[:, :, None])
+    part = over[i, cell, j] / (over[i, cell, j] - over_right[i, cell, j])
+    return i, cell, values[i, cell, j] * (1.0 - part) + right[i, cell, j] * part
 
 
 def _newton(
@@ -297,9 +337,13 @@ def _aperiodic_roots(model: AeroelasticModel, condition: FlightCondition, free: 
     A = frequency_matrix(undamped, condition, omega, g_method=False)
     static = model.aero(0.0, condition.mach)[..., :n].real
     A[..., n:, :n] = -np.linalg.solve(modes.M, modes.K - condition.q[:, None, None] * static)
+    if free.any():  # at rest a free mode's rate is the incidence of a steady climb: no damping of another frequency
+        rate = model.aero.slope(0.0, condition.mach)[..., :n][..., free].real
+        damping = modes.D[:, free] - (condition.q * model.aero.b / condition.V)[:, None, None] * rate
+        A[:, n:, n + np.flatnonzero(free)] = -np.linalg.solve(modes.M, damping)
     keep = np.append(~free, np.ones(n, dtype=bool))
     values, vectors = np.linalg.eig(A[:, keep][:, :, keep])
-    real = np.where(np.abs(values.imag) == 0.0, values.real, np.nan)
+    real = np.where(np.abs(values.imag) <= omega[:, None], values.real, np.nan)
     order = np.argsort(-real, axis=1)  # nan sorts last
     shapes = np.take_along_axis(vectors, order[:, None, :], axis=2)[:, int(keep[:n].sum()) :]
     return np.take_along_axis(real, order, axis=1), normalised(np.moveaxis(shapes, -1, -2))
