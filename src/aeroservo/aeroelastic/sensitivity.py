@@ -95,7 +95,8 @@ def sensitivities(
     Returns
     -------
     sensitivities : tuple of Sensitivity
-        In the order of the fields; those that cannot be varied at all (fixed by a rule of the file) are left out.
+        In the order of the fields; those that cannot be varied at all (fixed by a rule of the file) or not
+        smoothly (a control's end on a station of the beam: beside it the beam has one part more) are left out.
 
     Raises
     ------
@@ -253,7 +254,7 @@ def _matrix_slopes(
     step = STEP * abs(value) or STEP
     slopes: list[complex] | None = None
     for _ in range(8):
-        varied = _varied(file, field, value, step, aero)
+        varied = _varied(file, field, value, step, aero, model)
         if varied is None:
             return slopes
         models, weights = varied
@@ -275,15 +276,22 @@ def _matrix_slopes(
 
 
 def _varied(
-    file: FileModel, field: str, value: float, step: float, aero: str | None
+    file: FileModel, field: str, value: float, step: float, aero: str | None, model: AeroelasticModel
 ) -> tuple[list[AeroelasticModel], Array] | None:
-    """Models at the points of the first stencil that the file's rules allow, and its weights."""
+    """Models at the points of the first stencil that the file's rules allow without a change of size, its weights."""
     for steps, weights in STENCILS:
         try:
-            return [build(override(file, {field: value + x * step}), aero) for x in steps], weights
+            models = [build(override(file, {field: value + x * step}), aero) for x in steps]
         except ValueError:
             continue
+        if all(_size(other) == _size(model) for other in models):
+            return models, weights
     return None
+
+
+def _size(model: AeroelasticModel) -> tuple[int, int]:
+    """Coordinates of the model and of the one for statics: where an end moves off a station, there is one part more."""
+    return model.modes.n, 0 if model.statics is None else model.statics.modes.n
 
 
 def _turned(model: AeroelasticModel, onto: AeroelasticModel) -> AeroelasticModel:

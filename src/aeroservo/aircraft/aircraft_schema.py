@@ -199,9 +199,38 @@ class AircraftFile(FileModel):
         )
 
     def problems(self) -> tuple[str, ...]:
-        """Assumptions of the file, and a missing mass."""
-        found = tuple(f"assumed: {text}" for text in self.assumptions)
-        return found if self.mass else (*found, "no [[mass]] items: centre of gravity and inertia are unknown")
+        """Assumptions of the file, a missing mass, and what the elastic wing takes from where."""
+        found = [f"assumed: {text}" for text in self.assumptions]
+        if self.structure is not None:
+            found += self._elastic_wing(self.structure)
+        if not self.mass:
+            found.append("no [[mass]] items: centre of gravity and inertia are unknown")
+        return tuple(found)
+
+    def _elastic_wing(self, structure: Structure) -> list[str]:
+        """Sources of the beam and its strips, and masses that do not agree."""
+        surface = next(s for s in self.surface if s.name == structure.surface)
+        found = [
+            f"elastic wing: beam from [structure], in {surface.name!r} only; strips normal to its flexural axis, with "
+            "lift slopes, built-in incidence and moment, and control derivatives from the span loading of the lattice "
+            "(steady, Mach 0), aerodynamic centres at the quarter chord; antisymmetric motion has the slopes of "
+            "symmetric incidence"
+        ]
+        if any(s.z_le_m != surface.section[0].z_le_m for s in surface.section):
+            found.append(f"elastic wing: {surface.name!r} has dihedral, of which only the developed length is kept")
+        beam = sum(
+            0.5 * (a.mass_kg_per_m + b.mass_kg_per_m) * (b.y_m - a.y_m) for a, b in pairwise(structure.station)
+        ) * (2.0 if surface.mirrored else 1.0)
+        spread = sum(m.mass_kg for m in self.mass if m.spread_over == surface.name)
+        if spread > 0.0 and abs(beam - spread) > 0.01 * spread:
+            found.append(
+                f"elastic wing: structure.station adds up to {beam:.4g} kg on both sides, the mass spread over "
+                f"{surface.name!r} is {spread:.4g} kg: flutter takes the first, flight mechanics the second"
+            )
+        lone = [m.name for m in self.mass if not m.spread_over and m.y_m != 0.0 and not m.mirrored]
+        if lone:
+            found.append(f"elastic wing: masses on one side only are left out of the half wing: {', '.join(lone)}")
+        return found
 
     def derived(self) -> dict[str, Any]:
         """Planforms, reference quantities, mass, centre of gravity, inertia: see `FileModel.derived`."""
