@@ -232,7 +232,7 @@ def trimmed(
         x[:, a] += (lift_error * CM_d - derivatives.CL[d] * moment_error) / determinant
         x[:, d] += (derivatives.CL[a] * moment_error - CM_a * lift_error) / determinant
     failed = ~(np.abs(moment_error) + np.abs(lift_error) < 1e-9)
-    x[failed] = np.nan
+    x[np.ix_(failed, [a, d])] = np.nan  # the others stay 0: a half lattice takes symmetric inputs only
     polar = viscous_wing(loading, derivatives, drag, sections, x, mirrored=mirrored)
     return Trim(
         x_cg=x_cg,

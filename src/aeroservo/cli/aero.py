@@ -283,7 +283,7 @@ def _figure(wanted: AeroFigure, case: WingCase, found: AircraftLattice, lift: fl
         own = case.model.masses()
         return figures.trim_figure(
             trims,
-            f"{title}: in trim at CL = {lift:g}",
+            f"{title}: in trim at CL = {lift:g}\ncurves end where no balance lies inside the section polars",
             neutral_point=found.derivatives.neutral_point,
             x_cg=None if own is None else float(own.cg[0]),
         )
@@ -300,9 +300,7 @@ def _print(file: AircraftFile, found: AircraftLattice, content: dict[str, Any], 
         f"reference   S = {ref['S_m2']:.6g} m2, c = {ref['c_m']:.6g} m, b = {ref['span_m']:.6g} m, "
         f"moments about x = {x:.6g} m, z = {z:.6g} m\n"
     )
-    rows = [
-        (name, *(float(f"{getattr(d, key)[i]:.5g}") + 0.0 for key in COEFFICIENTS)) for i, name in enumerate(d.names)
-    ]
+    rows = [(name, *(_short(getattr(d, key)[i]) for key in COEFFICIENTS)) for i, name in enumerate(d.names)]
     typer.echo(table(rows, ("per radian of", *COEFFICIENTS)))
     typer.echo("('steady': camber and twist as they are; p, r with b/(2V), q with c/(2V); controls streamwise)\n")
     typer.echo(f"neutral point    x = {number(content['neutral_point_m'], 'm', 5)}")
@@ -314,6 +312,11 @@ def _print(file: AircraftFile, found: AircraftLattice, content: dict[str, Any], 
             f"static margin    {margin:.4g} % of c at the file's centre of gravity, x = {masses.cg[0]:.5g} m: {words}"
         )
     typer.echo(f"span efficiency  {number(content['span_efficiency'], '', 5)}")
+
+
+def _short(value: float) -> float:
+    """Five digits; rounding errors and minus zero are zero."""
+    return 0.0 if abs(value) < 1e-12 else float(f"{value:.5g}")
 
 
 def _print_polars(case: WingCase, polars: tuple[WingPolar, ...]) -> None:

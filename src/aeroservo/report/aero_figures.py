@@ -183,7 +183,7 @@ def span_loading_figure(
     Returns
     -------
     figure : matplotlib Figure
-        Left c cl over the mean chord, each with its elliptic load dotted; right the local cl.
+        Left c cl over the mean chord, with the elliptic load of the same lift in grey; right the local cl.
     """
     from aeroservo.aero.vlm_loads import span_loading
 
@@ -197,15 +197,17 @@ def span_loading_figure(
     figure = new_figure(title, 1, 2, width=4.9, height=3.7)
     left, right = figure.axes
     ellipse = np.sqrt(np.maximum(1.0 - eta**2, 0.0))
+    drawn: list[np.ndarray] = []
     for j, (label, inputs) in enumerate(states):
         x = np.array([inputs.get(name, 0.0) for name in loading.names])
         cl = (loading.cl[mine][order]) @ x
         load = cl * chord / mean
         elliptic = ellipse * np.sum(load * width) / np.sum(ellipse * width)
         left.plot(eta, load, label=label, **style(j))
-        left.plot(eta, elliptic, color=style(j)["color"], linestyle=":", linewidth=1.1)
+        if not drawn or not any(np.allclose(elliptic, other, rtol=1e-6, atol=1e-9) for other in drawn):
+            left.plot(eta, elliptic, color="0.6", linewidth=2.4, zorder=1, label="elliptic, the same lift")
+        drawn.append(elliptic)
         right.plot(eta, cl, label=label, **style(j))
-    left.plot([], [], color="black", linestyle=":", linewidth=1.1, label="elliptic, the same lift")
     left.set_ylabel("load c cl / mean chord")
     right.set_ylabel("local lift coefficient cl")
     for ax in (left, right):
@@ -248,6 +250,7 @@ def trim_figure(
     above.set_ylabel("trimmed CL/CD")
     below.set_ylabel("deflection that trims, deg")
     below.set_xlabel("static margin, % of the reference chord (positive: stable)")
+    _say_position(above, trims)
     for ax in figure.axes:
         ax.axvline(0.0, color="black", linewidth=0.8, label=f"neutral point, x = {neutral_point:.4f} m")
     if x_cg is not None and len(trims):
@@ -258,6 +261,18 @@ def trim_figure(
     below.axhline(0.0, color="black", linewidth=0.6)
     shared_legend(figure)
     return figure
+
+
+def _say_position(ax: Any, trims: Sequence[tuple[str, Trim]]) -> None:
+    """A second scale above: where the centre of gravity is, in metres."""
+    if not trims or len(trims[0][1].x_cg) < 2:
+        return
+    x, margin = np.asarray(trims[0][1].x_cg), 100.0 * np.asarray(trims[0][1].static_margin)
+    slope = (x[-1] - x[0]) / (margin[-1] - margin[0])
+    scale = ax.secondary_xaxis(
+        "top", functions=(lambda m: x[0] + slope * (m - margin[0]), lambda p: margin[0] + (p - x[0]) / slope)
+    )
+    scale.set_xlabel("centre of gravity x, m")
 
 
 def _signed(degrees: float) -> str:

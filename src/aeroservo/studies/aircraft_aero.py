@@ -208,10 +208,13 @@ def _surface_polar(surface: LiftingSurface, per_metre: float, delta: np.ndarray,
     reach = np.unique(np.concatenate([[0.0], delta]))
     steps = max(2, int(np.ceil((reach[-1] - reach[0]) / np.radians(5.0))) + 1) if len(reach) > 1 else 1
     grid = np.unique(np.concatenate([reach, np.linspace(reach[0], reach[-1], steps)]).round(12))
-    return section_polar(
-        names.pop(), alpha=_ALPHA, delta=grid, reynolds=axis, hinge=hinge, kind=kind, reading=reading,
-        source=source, whole_table=True,
-    )  # fmt: skip
+    try:
+        return section_polar(
+            names.pop(), alpha=_ALPHA, delta=grid, reynolds=axis, hinge=hinge, kind=kind, reading=reading,
+            source=source, whole_table=True,
+        )  # fmt: skip
+    except ValueError as error:
+        raise ValueError(f"surface {surface.name!r}: {error}") from error
 
 
 def _is_beside(folder: Path, airfoil: str) -> bool:
