@@ -2,7 +2,7 @@
 
 - Bare loop: numba code written out for one model below, the same Runge-Kutta arithmetic, controller, limits and noise,
   nothing general. Its final state is checked against the engine's before anything is timed.
-- solve_ivp (scipy, RK45, rtol 1e-6): restarted at every sample of the controller; 1 s, scaled to 60 s.
+- solve_ivp (scipy, RK45, rtol 1e-6): restarted at every sample of what is held (turbulence: 1 ms); 1 s, scaled to 60 s.
 - Two workers against one: 1,000 runs, warm pools, in turns.
 - Memory: peak of a run ten times as long, statistics only, over that of the short one.
 - Second start: a fresh process with a warm cache of compiled code against one that imports numba and compiles nothing.
@@ -184,22 +184,23 @@ def closed_loop() -> list[Row]:
 
     rows = [compare("60 s closed loop, 14 states / bare compiled loop", engine, loop, target=3.0, rounds=5)]
     adaptive = restarted(arguments)
-    rows.append(Row("60 s closed loop / solve_ivp restarted per sample", rows[0].own_s, adaptive, target=0.01))
+    rows.append(Row("60 s closed loop / solve_ivp restarted per sample", rows[0].own_s, adaptive, target=0.05))
     return rows
 
 
 def restarted(arguments: tuple) -> float:
-    """Seconds for 60 s by solve_ivp, restarted each sample; gusts held over the sample; from 1 s of it."""
+    """Seconds for 60 s by solve_ivp, restarted at each held sample of turbulence; from 1 s of it."""
     A, Bw, Bs, pull_row, pull_s = arguments[:5]
     x, gust = arguments[17].copy(), arguments[16]
     begin = time.perf_counter()
-    for k in range(round(1.0 / SAMPLE)):
-        g = gust[round(k * SAMPLE / 1e-3)]
+    step = 1e-3
+    for k in range(round(1.0 / step)):
+        g = gust[k]
 
         def slope(_: float, x: np.ndarray, g: float = g) -> np.ndarray:
             return A @ x + Bw * g + Bs * np.clip(pull_row @ x + pull_s * 0.01, -RATE, RATE)
 
-        x = solve_ivp(slope, (0.0, SAMPLE), x, rtol=1e-6, atol=1e-9).y[:, -1]
+        x = solve_ivp(slope, (0.0, step), x, rtol=1e-6, atol=1e-9).y[:, -1]
     return (time.perf_counter() - begin) * DURATION
 
 

@@ -6,9 +6,9 @@ Imports nothing of ours. Every model is one stack of rows Z(t) over the columns 
     next n_phi rows:          argument of each nonlinear element, which may use elements before it
     next n_y rows:            outputs
 
-Z is kept transposed, Z[column, row]. w are inputs that live in time (gusts), s are held over a base step (commands), phi
-are the elements' values. All arrays
-of state are changed in place, so that a run can be cut into pieces.
+w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. Only the first
+`live` columns and phi change inside a step; the rest is summed once (`steady`). All arrays of state are changed in place,
+so that a run can be cut into pieces.
 """
 
 from __future__ import annotations
@@ -21,73 +21,71 @@ OVERFLOW = 1e30
 SPLITS = 6  # of one step, at corners of its elements
 
 
-@njit(cache=True, nogil=True)
-def element(kind, y, par, memory):  # pragma: no cover - compiled
-    """Value of one nonlinear element at its argument."""
+@njit(cache=True, nogil=True, inline="always")
+def element(kind, y, pars, j, memory):  # pragma: no cover - compiled
+    """Value of one nonlinear element at its argument; row j of pars (par below) holds its numbers."""
     if kind == SPRING:  # -(force - linear force): par = linear, gap, K, count, c0, c1, ...
-        gap = par[1]
+        gap = pars[j, 1]
         x = y - gap if y > gap else (y + gap if y < -gap else 0.0)
         total = 0.0
-        for i in range(int(par[3]) - 1, -1, -1):
-            total = total * x + par[4 + i]
-        return par[0] * y - par[2] * total * x
+        for i in range(int(pars[j, 3]) - 1, -1, -1):
+            total = total * x + pars[j, 4 + i]
+        return pars[j, 0] * y - pars[j, 2] * total * x
     if kind == TABLE:  # table - straight line: par = CL0, slope, count, alpha..., CL...
-        count = int(par[2])
-        line = par[0] + par[1] * y
-        if y <= par[3]:
-            return par[3 + count] - line
+        count = int(pars[j, 2])
+        line = pars[j, 0] + pars[j, 1] * y
+        if y <= pars[j, 3]:
+            return pars[j, 3 + count] - line
         for i in range(1, count):
-            if y <= par[3 + i]:
-                left = par[2 + i]
-                f = (y - left) / (par[3 + i] - left)
-                return par[2 + count + i] * (1.0 - f) + par[3 + count + i] * f - line
-        return par[2 + 2 * count] - line
+            if y <= pars[j, 3 + i]:
+                left = pars[j, 2 + i]
+                f = (y - left) / (pars[j, 3 + i] - left)
+                return pars[j, 2 + count + i] * (1.0 - f) + pars[j, 3 + count + i] * f - line
+        return pars[j, 2 + 2 * count] - line
     if kind == CLIP:  # par = largest magnitude
-        return par[0] if y > par[0] else (-par[0] if y < -par[0] else y)
+        return pars[j, 0] if y > pars[j, 0] else (-pars[j, 0] if y < -pars[j, 0] else y)
     if kind == COSINE:
         return np.cos(y) - 1.0
-    return y - par[0] if y - par[0] > memory else (y + par[0] if y + par[0] < memory else memory)
+    return y - pars[j, 0] if y - pars[j, 0] > memory else (y + pars[j, 0] if y + pars[j, 0] < memory else memory)
 
 
 @njit(cache=True, nogil=True)
-def piece(kind, y, par, memory):  # pragma: no cover - compiled
+def piece(kind, y, pars, j, memory):  # pragma: no cover - compiled
     """Number of the smooth piece of an element in which its argument is: a change is a corner."""
     if kind == TABLE:
         i = 0
-        while i < int(par[2]) and y > par[3 + i]:
+        while i < int(pars[j, 2]) and y > pars[j, 3 + i]:
             i += 1
         return i
-    if kind == COSINE or (kind == SPRING and par[1] == 0.0):
+    if kind == COSINE or (kind == SPRING and pars[j, 1] == 0.0):
         return 0
     middle = memory if kind == PLAY else 0.0
-    width = par[1] if kind == SPRING else par[0]
+    width = pars[j, 1] if kind == SPRING else pars[j, 0]
     return 1 if y > middle + width else (2 if y < middle - width else 0)
 
 
 @njit(cache=True, nogil=True)
 def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
     """Part of the first `count` rows that does not change inside a step: what is held, and the one."""
-    last = Z.shape[0] - 1
+    last = Z.shape[1] - 1
     for r in range(count):
-        out[r] = Z[last, r]
-    for i in range(live, first):
-        value = xi[i]
-        if value != 0.0:
-            for r in range(count):
-                out[r] += Z[i, r] * value
+        total = Z[r, last]
+        for i in range(live, first):
+            total += Z[r, i] * xi[i]
+        out[r] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # pragma: no cover - compiled
     """Fill the phi columns of xi, in order, and their arguments."""
     for j in range(kinds.shape[0]):
         y = fixed[n_x + j]
         for i in range(live):
-            y += Z[i, n_x + j] * xi[i]
-        for i in range(first, first + j):
-            y += Z[i, n_x + j] * xi[i]
+            y += Z[n_x + j, i] * xi[i]
+        for i in range(j):
+            y += Z[n_x + j, first + i] * xi[first + i]
         args[j] = y
-        xi[first + j] = element(kinds[j], y, pars[j], memory[j])
+        xi[first + j] = element(kinds[j], y, pars, j, memory[j])
 
 
 @njit(cache=True, nogil=True)
@@ -95,12 +93,12 @@ def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
     """Part of a step after which the first element leaves its smooth piece; 1 if none does. Arguments run straight."""
     found = 1.0
     for j in range(kinds.shape[0]):
-        here = piece(kinds[j], start[j], pars[j], memory[j])
-        if piece(kinds[j], end[j], pars[j], memory[j]) != here:
+        here = piece(kinds[j], start[j], pars, j, memory[j])
+        if piece(kinds[j], end[j], pars, j, memory[j]) != here:
             low, high = 0.0, 1.0
             for _ in range(40):
                 middle = 0.5 * (low + high)
-                if piece(kinds[j], start[j] + middle * (end[j] - start[j]), pars[j], memory[j]) == here:
+                if piece(kinds[j], start[j] + middle * (end[j] - start[j]), pars, j, memory[j]) == here:
                     low = middle
                 else:
                     high = middle
@@ -110,24 +108,21 @@ def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
 
 @njit(cache=True, nogil=True)
 def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cover - compiled
-    """out = rows start .. start + count of Z times xi, the fixed part being known; column by column, which vectorises."""
+    """out = rows start .. start + count of Z times xi, the fixed part being known."""
     for r in range(count):
-        out[r] = fixed[start + r]
-    for i in range(live):
-        value = xi[i]
-        for r in range(count):
-            out[r] += Z[i, start + r] * value
-    for i in range(first, first + n_phi):
-        value = xi[i]
-        for r in range(count):
-            out[r] += Z[i, start + r] * value
+        total = fixed[start + r]
+        for i in range(live):
+            total += Z[start + r, i] * xi[i]
+        for i in range(n_phi):
+            total += Z[start + r, first + i] * xi[first + i]
+        out[r] = total
 
 
 @njit(cache=True, nogil=True)
 def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
     """x' for a filled xi (states, inputs and the one); for tests and linearisation."""
-    out, fixed = np.empty(n_x), np.empty(Z.shape[1])
-    steady(Z, Z.shape[1], n_x, first, xi, fixed)
+    out, fixed = np.empty(n_x), np.empty(Z.shape[0])
+    steady(Z, Z.shape[0], n_x, first, xi, fixed)
     elements(Z, n_x, n_x, first, kinds, pars, memory, xi, fixed, np.empty(kinds.shape[0]))
     rows(Z, 0, n_x, n_x, first, kinds.shape[0], xi, fixed, out)
     return out
@@ -193,33 +188,44 @@ def control(
 
 @njit(cache=True, nogil=True)
 def step_rk4(
-    Z0, Zh, Z1, n_x, live, first, moving, kinds, pars, memory, xi, x, h, k, f0, f1,
+    Z, knots, per_knot, n_x, live, first, moving, kinds, pars, memory, xi, x, h, k, f0, f1,
     held, path, speed, dt, cosines, offsets, fixed, args, k1, k2,
 ):  # fmt: skip  # pragma: no cover - compiled
-    """One classical Runge-Kutta step of x; xi holds what is held and the one; k1, k2 are work; args: of elements at its end."""
+    """One classical Runge-Kutta step of x; xi holds what is held and the one; k1, k2 are work."""
     n_phi = kinds.shape[0]
     for i in range(n_x):
         k1[i] = 0.0
         k2[i] = 0.0
     for stage in range(4):
-        Z = Z0 if stage == 0 else (Z1 if stage == 3 else Zh)
+        if moving and stage != 2:
+            place = f0 if stage == 0 else (f1 if stage == 3 else 0.5 * (f0 + f1))
+            interpolate(knots, per_knot, k + place, Z)
+            steady(Z, n_x + n_phi, live, first, xi, fixed)
         if live > n_x:
             f = f0 if stage == 0 else (f1 if stage == 3 else 0.5 * (f0 + f1))
             wind(xi, n_x, held, k, path, speed, dt, f, cosines, offsets)
-        if moving and stage != 2:
-            steady(Z, n_x + n_phi, live, first, xi, fixed)
         forward = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         for i in range(n_x):
             xi[i] = x[i] + forward * k1[i]
-        elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args)
-        rows(Z, 0, n_x, live, first, n_phi, xi, fixed, k1)
+        if n_phi > 0:
+            elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args)
+        for r in range(n_x):  # `rows` in place: the loop in which all the time goes
+            total = fixed[r]
+            for i in range(live):
+                total += Z[r, i] * xi[i]
+            k1[r] = total
+        for p in range(n_phi):
+            value = xi[first + p]
+            for r in range(n_x):
+                k1[r] += Z[r, first + p] * value
         for i in range(n_x):
             k2[i] += weight * k1[i]
     for i in range(n_x):
         x[i] += h / 6.0 * k2[i]
         xi[i] = x[i]
-    elements(Z1, n_x, live, first, kinds, pars, memory, xi, fixed, args)
+    if n_phi > 0:
+        elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args)
 
 
 @njit(cache=True, nogil=True)
@@ -259,11 +265,11 @@ def run(
     n_u = external.shape[1]
     xi, k1, k2 = np.zeros(n_col), np.zeros(n_x), np.zeros(n_x)
     y, work, command = np.zeros(n_y), np.zeros(ctrl.shape[2] + 1), np.zeros(ctrl_map.shape[0])
-    Z0, Zh, Z1 = knots[0].copy(), knots[0].copy(), knots[0].copy()
+    Z0 = knots[0].copy()
     Phi, drive = exact
     back = np.zeros(n_x)
     moving = knots.shape[0] > 1
-    fixed, args, ahead = np.zeros(knots.shape[2]), np.zeros(n_phi), np.zeros(n_phi)
+    fixed, args, ahead = np.zeros(knots.shape[1]), np.zeros(n_phi), np.zeros(n_phi)
     live = n_x + (n_w if cosines.shape[0] > 0 else 0)
     written = 0
     xi[n_col - 1] = 1.0
@@ -280,7 +286,7 @@ def run(
         if ctrl_map.shape[0] > 0:
             slot = now % ring.shape[0]
             if ring.shape[0] > 1 or now % period == 0:
-                steady(Z0, Z0.shape[1], live, first, xi, fixed)
+                steady(Z0, Z0.shape[0], live, first, xi, fixed)
                 elements(Z0, n_x, live, first, kinds, pars, memory, xi, fixed, ahead)
                 for i in range(ctrl_rows.shape[0]):
                     rows(Z0, n_x + n_phi + ctrl_rows[i], 1, live, first, n_phi, xi, fixed, y)
@@ -314,7 +320,7 @@ def run(
             commands[j] = late
             commands[n_u + j] = total
         # outputs
-        steady(Z0, Z0.shape[1], live, first, xi, fixed)
+        steady(Z0, Z0.shape[0], live, first, xi, fixed)
         elements(Z0, n_x, live, first, kinds, pars, memory, xi, fixed, args)
         rows(Z0, n_x + n_phi, n_y, live, first, n_phi, xi, fixed, y)
         for i in range(n_y):
@@ -355,14 +361,11 @@ def run(
                 f0, f1 = sub / n_sub, (sub + 1.0) / n_sub
                 goal, splits = f1, 0
                 while f0 < f1:
-                    if moving:
-                        interpolate(knots, per_knot, k + f0, Z0)
-                        interpolate(knots, per_knot, k + 0.5 * (f0 + goal), Zh)
-                        interpolate(knots, per_knot, k + goal, Z1)
                     for i in range(n_x):
                         back[i] = x[i]
-                    step_rk4(Z0, Zh, Z1, n_x, live, first, moving, kinds, pars, memory, xi, x, (goal - f0) * dt, k,
-                             f0, goal, held, path, speed, dt, cosines, offsets, fixed, ahead, k1, k2)  # fmt: skip
+                    step_rk4(Z0, knots, per_knot, n_x, live, first, moving, kinds, pars, memory, xi, x,
+                             (goal - f0) * dt, k, f0, goal, held, path, speed, dt, cosines, offsets, fixed, ahead,
+                             k1, k2)  # fmt: skip
                     if goal == f1 and splits < SPLITS:
                         part = corner(kinds, pars, memory, args, ahead)
                         if part < 1.0:  # a corner inside: step to it first, then on from it

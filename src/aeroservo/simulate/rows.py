@@ -346,11 +346,11 @@ def equilibrium(rows: ModelRows) -> Array:
         for j in range(n_phi):
             row = Z[n_x + j]
             y = float(row @ xi)
-            parameters = np.zeros(64)
-            parameters[: len(rows.parameters[j])] = rows.parameters[j]
+            parameters = np.zeros((1, max(8, len(rows.parameters[j]))))
+            parameters[0, : len(rows.parameters[j])] = rows.parameters[j]
             step = 1e-6 * max(1.0, abs(y))
-            xi[rows.phi_at + j] = element(rows.kinds[j], y, parameters, 0.0)
-            up, down = (element(rows.kinds[j], y + d, parameters, 0.0) for d in (step, -step))
+            xi[rows.phi_at + j] = element(rows.kinds[j], y, parameters, 0, 0.0)
+            up, down = (element(rows.kinds[j], y + d, parameters, 0, 0.0) for d in (step, -step))
             inner = row[:n_x] + row[rows.phi_at : rows.phi_at + n_phi] @ gradient
             gradient[j] = (up - down) / (2.0 * step) * inner
         return Z[:n_x] @ xi, Z[:n_x, :n_x] + Z[:n_x, rows.phi_at : rows.phi_at + n_phi] @ gradient

@@ -98,7 +98,7 @@ class RunState:
         pulses = [[g.amplitude, float(profile.distance(g.start)), g.length] for g in cosines]
         weights, noise, first = self._samples(start, n)
         return _kernels.run(
-            np.ascontiguousarray(knots.transpose(0, 2, 1)), p.per_knot, s.sizes, s.elements.kinds, s.elements.parameters, self.memory, s.stops, p.exact,
+            knots, p.per_knot, s.sizes, s.elements.kinds, s.elements.parameters, self.memory, s.stops, p.exact,
             substeps or p.substeps, p.dt, start, n,
             self.x, self._held(t, n), profile.distance(t), profile.speed(t), np.array(pulses).reshape(-1, 3), s.offsets,
             self.external(t[:-1]),
