@@ -157,7 +157,6 @@ def test_bad_options(cli: Cli, options: list[str], word: str, tmp_path: Path, mo
 @pytest.mark.parametrize(
     ("preset", "damping", "word"),
     [
-        ("goland", "viscous = {plunge_N_s_per_m = 1.0}", "damping.viscous"),
         ("thesis-binary", "modal = {ratios = [0.1, 0.1, 0.1]}", "ratios"),
     ],
 )

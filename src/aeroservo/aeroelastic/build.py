@@ -27,10 +27,11 @@ from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.aircraft.schema_other import ModalFile, PitchPlungeFlap
 from aeroservo.aircraft.schema_section import TypicalSection
 from aeroservo.aircraft.schema_wing import AircraftWing, BinaryWing, WholeAircraft
-from aeroservo.datatypes import AeroelasticModel, AeroInput, ModalModel, SampledAero, Spring
+from aeroservo.datatypes import AeroelasticModel, AeroInput, Array, ModalModel, SampledAero, Spring
 from aeroservo.structure.assumed import binary_wing, whole_aircraft
 from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.damping import modal_damping
+from aeroservo.structure.modal import tip_motion
 from aeroservo.structure.section import typical_section
 
 THEORIES: dict[str, Callable[[], Theory]] = {
@@ -119,13 +120,10 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
     if isinstance(model, BinaryWing | WholeAircraft):
         return _assumed(model, theory)
     assert isinstance(model, BeamWing | AircraftFile)  # DEFAULTS holds no other kind
-    if model.damping is not None and model.damping.viscous is not None:
-        raise ValueError(
-            f"damping.viscous acts on the two coordinates of an assumed wing: for kind {model.kind!r} give "
-            "[damping.modal], [damping.rayleigh] or [damping.hysteretic]"
-        )
     wing = beam_model(beam_wing(model) if isinstance(model, BeamWing) else aircraft_wing(model), theory)
-    return replace(wing, modes=_damped(wing.modes, model.damping, None))
+    viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
+    dampers = None if viscous is None else _tip_dampers(wing.modes, viscous.plunge_N_s_per_m, viscous.pitch_N_m_s)
+    return replace(wing, modes=_damped(wing.modes, model.damping, dampers))
 
 
 def structure(model: FileModel) -> ModalModel:
@@ -187,7 +185,10 @@ def _section(model: TypicalSection, theory: Theory) -> AeroelasticModel:
             for name, polynomial in linear.items()
         )
     viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
-    modes = _damped(modes, model.damping, None if viscous is None else (viscous.plunge_N_s_per_m2, viscous.pitch_N_s))
+    dampers = (
+        None if viscous is None else np.diag([viscous.plunge_N_s_per_m2, viscous.pitch_N_s, 0.0])[: modes.n, : modes.n]
+    )
+    modes = _damped(modes, model.damping, dampers)
     one = np.ones(1)
     strips = Strips(
         y=one,
@@ -232,7 +233,8 @@ def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticMo
     centre = w.centre_mass_kg if isinstance(w, AircraftWing) else 0.0
     modes = whole_aircraft(**common, centre_mass=centre) if isinstance(w, AircraftWing) else binary_wing(**common)
     viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
-    modes = _damped(modes, model.damping, None if viscous is None else (viscous.plunge_N_s_per_m, viscous.pitch_N_m_s))
+    dampers = None if viscous is None else _tip_dampers(modes, viscous.plunge_N_s_per_m, viscous.pitch_N_m_s)
+    modes = _damped(modes, model.damping, dampers)
     every = np.ones(len(points))
     strips = Strips(
         y=points * np.cos(sweep),
@@ -275,14 +277,18 @@ def _input_kind(name: str) -> str:
     return next((kind for kind in ("gust", "steady") if name.lower().startswith(kind)), "control")
 
 
-def _damped(modes: ModalModel, damping: Any, viscous: tuple[float, float] | None) -> ModalModel:
-    """The structure with the damping of its file."""
+def _tip_dampers(modes: ModalModel, plunge: float, pitch: float) -> Array:
+    """Dampers on the elastic plunge and twist of the tip: on the coordinates themselves of an assumed wing."""
+    h, twist = (np.where(np.any(modes.K != 0.0, axis=0), motion, 0.0) for motion in tip_motion(modes))
+    return plunge * np.outer(h, h) + pitch * np.outer(twist, twist)
+
+
+def _damped(modes: ModalModel, damping: Any, viscous: Array | None) -> ModalModel:
+    """The structure with the damping of its file; `viscous` is that of its dampers."""
     if damping is None:
         return modes
     if viscous is not None:
-        D = np.zeros((modes.n, modes.n))
-        D[0, 0], D[1, 1] = viscous
-        return replace(modes, D=D)
+        return replace(modes, D=viscous)
     if damping.modal is not None:
         return replace(modes, D=modal_damping(modes, damping.modal.ratios))
     if damping.rayleigh is not None:

@@ -26,7 +26,7 @@ from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
 from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.beam_elements import beam_mesh, stiffness_blocks, strain_shapes
 
-BEAM_MODES = 8
+BEAM_MODES = 10
 """Elastic modes kept of a beam wing for dynamics: flutter speeds of ordinary wings to 1e-5."""
 
 STRIP_PARTS, PART_POINTS = 8, 6
@@ -98,7 +98,7 @@ def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
     >>> from aeroservo.aircraft.files import read
     >>> goland = beam_model(beam_wing(read("goland")), QuasiSteady())
     >>> goland.modes.n, goland.statics.modes.n
-    (8, 64)
+    (10, 64)
     """
     beam = wing.beam
     rigid = {"clamped": 0, "free": 2 if beam.symmetry == "symmetric" else 1}[beam.root]
@@ -201,7 +201,8 @@ def slender_beam(model: BeamWing) -> SlenderBeam:
         inertia=each("inertia_kg_m"),  # type: ignore[arg-type]
         EI=each("EI_N_m2"),  # type: ignore[arg-type]
         GJ=each("GJ_N_m2"),  # type: ignore[arg-type]
-        cg_offset=np.array([(s.cg_axis - s.flexural_axis) * s.chord_m for s in stations]),
+        cg_offset=np.array(each("cg_axis")) - np.array(each("flexural_axis")),
+        chord=each("chord_m"),  # type: ignore[arg-type]
         coupling=each("coupling_N_m2"),  # type: ignore[arg-type]
         sweep=np.deg2rad(sweep),
         masses=tuple(BeamMass(y=m.y_m, mass=m.mass_kg, x=m.x_m, inertia=m.inertia_kg_m2) for m in w.mass),

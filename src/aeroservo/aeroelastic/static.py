@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from aeroservo.aeroelastic.static_speed import StaticSpeed, at_own_mach, lowest_pressure, within_limit
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
+from aeroservo.structure.modal import tip_motion
 
 Array = NDArray[Any]
 
@@ -32,7 +33,7 @@ class StaticResult:
     moment_effectiveness : ndarray, shape (n_V,)
         Elastic over rigid rolling moment (or lift) with roll (or pitch) held. [-]
     twist : ndarray, shape (n_V,)
-        Elastic twist, of the tip where there is one, per radian of root incidence. [rad]
+        Elastic twist about the flexural axis, of the tip where there is one, per radian of root incidence. [rad]
     trim_incidence, trim_twist : ndarray, shape (n_V,)
         Root incidence at which lift equals weight, and the twist there. [rad]
     lift_slope_ratio : ndarray, shape (n_V,)
@@ -341,11 +342,8 @@ class _Elastic:
 
 
 def _twist_shape(model: AeroelasticModel) -> Array | None:
-    """Rotation about y of the outermost grid point per unit of each mode; None without shapes."""
-    if not model.modes.grid.shape[0]:
-        return None
-    outermost = int(np.argmax(model.modes.grid[:, 1]))
-    return np.asarray(model.modes.phi[outermost, 4])
+    """Twist of the tip about the flexural axis per unit of each mode; None without shapes."""
+    return tip_motion(model.modes)[1] if len(model.modes.grid) else None
 
 
 def _control_column(model: AeroelasticModel, name: str | None) -> int | None:

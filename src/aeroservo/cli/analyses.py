@@ -128,6 +128,12 @@ def static(
     typer.echo(f"divergence  {number(found.divergence.V, 'm/s')}")
     quantity = f" of {found.reversal_quantity}" if found.reversal_quantity else ""
     typer.echo(f"reversal    {number(found.reversal.V, 'm/s')}{quantity}")
+    rows = sorted({round(i * (found.V.size - 1) / 9) for i in range(10)})
+    curves = (found.effectiveness, found.twist, found.trim_incidence, found.trim_twist)
+    header = ("V, m/s", "effectiveness", "twist per incidence", "trim incidence, deg", "trim twist, deg")
+    scales = (1.0, 1.0, math.degrees(1.0), math.degrees(1.0))
+    cells = [[found.V[i], *(scale * curve[i] for scale, curve in zip(scales, curves))] for i in rows]
+    typer.echo(table(cells, header))
 
 
 def linearize(

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Root = Literal["clamped", "free"]
 Symmetry = Literal["symmetric", "antisymmetric"]
 
-_STATION_FIELDS = ("mass", "inertia", "cg_offset", "EI", "GJ", "coupling", "sweep")
+_STATION_FIELDS = ("mass", "inertia", "cg_offset", "chord", "EI", "GJ", "coupling", "sweep")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,7 +94,11 @@ class SlenderBeam:
     EI, GJ : array_like, shape (n,) or scalar
         Bending and torsional stiffness. [N m^2]
     cg_offset : array_like, shape (n,) or scalar
-        Centre of gravity aft of the flexural axis, along the chord normal to it: (cg_axis - flexural_axis) * chord. [m]
+        Centre of gravity aft of the flexural axis, along the chord normal to it, as a part of `chord`. [-, m where
+        chord is left at 1 m]
+    chord : array_like, shape (n,) or scalar
+        Chord that `cg_offset` is a part of, linear between stations like everything else, so that the offset in
+        metres of a tapered wing is the product of two straight lines. [m]
     coupling : array_like, shape (n,) or scalar
         Bend-twist stiffness K of the strain energy 1/2 (EI h''^2 + 2 K h'' theta' + GJ theta'^2), h down and theta
         nose up: K > 0 twists the section nose up where it is bent up (wash-in). K^2 < EI GJ. [N m^2]
@@ -113,7 +117,8 @@ class SlenderBeam:
     ------
     ValueError
         For fewer than two stations, stations not ascending, EI or GJ not positive, a sweep of 90 degrees or more, a
-        negative mass, an inertia below mass * cg_offset^2 anywhere, a coupling with K^2 >= EI GJ, a lump off the span.
+        negative mass, an inertia below mass * (cg_offset * chord)^2 anywhere, a coupling with K^2 >= EI GJ, a lump
+        off the span.
 
     References
     ----------
@@ -132,6 +137,7 @@ class SlenderBeam:
     EI: Array
     GJ: Array
     cg_offset: Array = 0.0  # type: ignore[assignment]
+    chord: Array = 1.0  # type: ignore[assignment]
     coupling: Array = 0.0  # type: ignore[assignment]
     sweep: Array = 0.0  # type: ignore[assignment]
     masses: tuple[BeamMass, ...] = ()
@@ -168,7 +174,8 @@ class SlenderBeam:
         y = np.asarray(y, dtype=float)
         if name == "sweep":
             return np.asarray(self.sweep[self.panel(y)])
-        return np.asarray(np.interp(y, self.y, getattr(self, name)))
+        value = np.asarray(np.interp(y, self.y, getattr(self, name)))
+        return value * self.at("chord", y) if name == "cg_offset" else value
 
     def panel(self, y: ArrayLike) -> NDArray[np.intp]:
         """Number of the panel at `y`; at a station the panel outboard of it, at the tip the last."""

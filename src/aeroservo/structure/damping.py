@@ -18,7 +18,8 @@ def modal_damping(modes: ModalModel, ratios: Sequence[float]) -> Array:
     modes : ModalModel
         The structure; its own D is not used.
     ratios : sequence of float, length n or less
-        Damping ratios in order of frequency; modes beyond the list are undamped. [-]
+        Damping ratios of the elastic modes in order of frequency; rigid-body modes, and modes beyond the list, are
+        undamped. [-]
 
     Returns
     -------
@@ -28,7 +29,7 @@ def modal_damping(modes: ModalModel, ratios: Sequence[float]) -> Array:
     Raises
     ------
     ValueError
-        If there are more ratios than modes.
+        If there are more ratios than elastic modes.
 
     References
     ----------
@@ -40,11 +41,12 @@ def modal_damping(modes: ModalModel, ratios: Sequence[float]) -> Array:
     >>> modal_damping(one, [0.1]).round(9).tolist()
     [[0.8]]
     """
-    if len(ratios) > modes.n:
-        raise ValueError(f"damping ratios: {len(ratios)} given, the model has {modes.n} modes")
     natural = natural_modes(modes)
+    elastic = np.flatnonzero(natural.omega > 0.0)
+    if len(ratios) > elastic.size:
+        raise ValueError(f"damping.modal.ratios: {len(ratios)} given, the model has {elastic.size} elastic modes")
     zeta = np.zeros(modes.n)
-    zeta[: len(ratios)] = ratios
+    zeta[elastic[: len(ratios)]] = ratios
     weighted = modes.M @ natural.shapes
     return np.asarray((weighted * (2.0 * zeta * natural.omega / natural.generalized_mass)) @ weighted.T)
 

@@ -89,3 +89,46 @@ def natural_modes(modes: ModalModel) -> NaturalModes:
         shapes=shapes,
         generalized_mass=mass,
     )
+
+
+def tip_motion(modes: ModalModel) -> tuple[Array, Array]:
+    """Plunge and twist of the tip per unit of each mode, for shapes given along a flexural axis.
+
+    The tip is the grid point farthest out; the axis there runs from its nearest neighbour to it (along y where
+    there is no other point, as for a section).
+
+    Parameters
+    ----------
+    modes : ModalModel
+        With grid points along one axis.
+
+    Returns
+    -------
+    h, twist : ndarray, shape (n,)
+        Plunge, positive down [m], and rotation about the axis, nose up [rad]. [per unit]
+
+    Raises
+    ------
+    ValueError
+        If the model has no grid.
+
+    References
+    ----------
+    equations.md, "Conventions": x aft, y starboard, z up; h down, nose up is a rotation about +y.
+
+    Examples
+    --------
+    >>> phi = np.zeros((1, 6, 1)); phi[0, 4] = 1.0
+    >>> pitch = ModalModel(M=[[1.0]], D=[[0.0]], K=[[4.0]], names=("pitch",), phi=phi, grid=[[0.0, 1.0, 0.0]])
+    >>> tip_motion(pitch)[1].tolist()
+    [1.0]
+    """
+    if not len(modes.grid):
+        raise ValueError("the modes have no grid: where the tip is, is not known")
+    tip = int(np.argmax(modes.grid[:, 1]))
+    along = modes.grid[tip, :2] - modes.grid[:, :2]
+    distance = np.hypot(along[:, 0], along[:, 1])
+    others = np.flatnonzero(distance > 0.0)
+    nearest = others[np.argmin(distance[others])] if others.size else None
+    axis = np.array([0.0, 1.0]) if nearest is None else along[nearest] / distance[nearest]
+    return -modes.phi[tip, 2], axis @ modes.phi[tip, 3:5]
