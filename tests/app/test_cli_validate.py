@@ -101,6 +101,10 @@ def test_misspelt_keys_of_a_case_are_refused(tmp_path: Path, monkeypatch: pytest
         validation.validate()
 
 
+#: Largest relative tolerance of cases whose reference is another lattice's: what issue 4 asks for; SOURCE.md: why.
+BETWEEN_PROGRAMS = {"thesis_wing": 0.03, "lifting_surface": 0.01}
+
+
 @pytest.mark.parametrize("name", validation.cases())
 def test_case_files_are_complete(name: str) -> None:
     """Each case cites its source, has a SOURCE.md, and gives every check one tight tolerance."""
@@ -112,6 +116,6 @@ def test_case_files_are_complete(name: str) -> None:
         assert run["check"]
         for check in run["check"]:
             assert ("relative" in check) != ("absolute" in check)
-            assert check.get("relative", 0.0) <= 1e-3
+            assert check.get("relative", 0.0) <= BETWEEN_PROGRAMS.get(name, 1e-3)
             if "absolute" in check and isinstance(check["reference"], float | int) and check["reference"]:
                 assert check["absolute"] <= 0.025 * abs(check["reference"])

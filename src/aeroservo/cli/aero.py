@@ -13,7 +13,7 @@ import typer
 from aeroservo.cli.angles import csv_bytes, values_of
 from aeroservo.cli.loaded import air, altitude_of, draw, tell
 from aeroservo.cli.options import PLOTS, Altitude, Density, Json, Model, Plot, checked_output, condition_of
-from aeroservo.cli.output import heading, number, print_json, table, write
+from aeroservo.cli.output import complain, heading, number, print_json, table, write
 from aeroservo.cli.polar import Chosen, PolarSource
 
 if TYPE_CHECKING:
@@ -125,6 +125,7 @@ def aero(
         viscosity=kinematic_viscosity(altitude or 0.0, density),
         method=_method(panels, mach),
         source=source.value,
+        progress=complain,
     )
     file, condition = case.model, condition_of(altitude, density, 1.0 if speed is None else speed)
     notes = [*file.problems()]

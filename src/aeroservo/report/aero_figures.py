@@ -101,8 +101,8 @@ def wing_polar_figure(
     alpha : array_like, shape (n_a,)
         Angles of attack. [rad]
     groups : sequence of (str, array_like, sequence of WingPolar)
-        Name ("hinged", "morphed"), deflections [rad] and one polar for each; side by side, a column for each, with
-        the same scales.
+        Name ("hinged", "morphed"), deflections of shape (n_d,) [rad] and one polar for each, whose arrays have shape
+        (n_a,) [-]; a column for each group, with the same scales.
     title : str
         Above the figure.
 

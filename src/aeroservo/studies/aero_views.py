@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -40,6 +41,8 @@ class WingCase:
         Panels and Mach number.
     source : {"auto", "table", "neuralfoil", "xfoil"}
         What section polars are taken from.
+    progress : callable, optional
+        Called with each run of XFOIL before it starts.
     """
 
     model: AircraftFile
@@ -49,16 +52,40 @@ class WingCase:
     viscosity: float
     method: VortexLattice = PANELS
     source: Source = "auto"
+    progress: Callable[[str], None] | None = None
 
     @cached_property
     def sections(self) -> tuple[Polar, ...]:
-        """Section polars of the surfaces [-]."""
+        """Section polars of the surfaces.
+
+        Returns
+        -------
+        polars : tuple of Polar
+            One for each surface. [-]
+
+        Raises
+        ------
+        ValueError
+            If there is no airspeed, or no section polar for a surface.
+        """
         return surface_polars(
-            self.model, speed=self._speed(), viscosity=self.viscosity, delta=self.delta, source=self.source
-        )
+            self.model, speed=self._speed(), viscosity=self.viscosity, delta=self.delta, source=self.source,
+            progress=self.progress,
+        )  # fmt: skip
 
     def polars(self) -> tuple[WingPolar, ...]:
-        """The wing's polars, one for each deflection [-]."""
+        """The wing's polars.
+
+        Returns
+        -------
+        polars : tuple of WingPolar
+            One for each deflection. [-]
+
+        Raises
+        ------
+        ValueError
+            If there is no airspeed, or no section polar for a surface.
+        """
         return wing_polar(
             self.model, alpha=self.alpha, delta=self.delta, speed=self._speed(), viscosity=self.viscosity,
             method=self.method, polars=self.sections,
@@ -83,6 +110,11 @@ class WingCase:
         -------
         trims : list of (str, Trim)
             NaN where no balance lies inside the section polars.
+
+        Raises
+        ------
+        ValueError
+            If there is no airspeed, or no section polar for a surface.
         """
         out = []
         for kind in ("hinged", "morphed"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aeroelastic.aircraft_lattice import AircraftLattice, aircraft_lattice, lattice_coefficients
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.files import read
-from aeroservo.aircraft.geometry import ControlKind, LiftingSurface
+from aeroservo.aircraft.geometry import ControlKind, LiftingSurface, MorphReading
 from aeroservo.atmosphere import atmosphere
 from aeroservo.studies.section_polar import Source, section_polar
 
@@ -111,6 +111,7 @@ def surface_polars(
     viscosity: float,
     delta: Sequence[float] | np.ndarray,
     source: Source = "auto",
+    progress: Callable[[str], None] | None = None,
 ) -> tuple[Polar, ...]:
     """A section polar for each surface, over the Reynolds numbers of its chords at one speed.
 
@@ -126,6 +127,8 @@ def surface_polars(
         Deflections that will be asked for. [rad]
     source : {"auto", "table", "neuralfoil", "xfoil"}
         As for `section_polar`.
+    progress : callable, optional
+        As for `section_polar`.
 
     Returns
     -------
@@ -140,7 +143,10 @@ def surface_polars(
     """
     if not (speed > 0.0 and viscosity > 0.0):
         raise ValueError(f"speed [m/s] and viscosity [m^2/s] must be > 0, got {speed:g} and {viscosity:g}")
-    return tuple(_surface_polar(s, speed / viscosity, np.asarray(delta, float), source) for s in model.surfaces())
+    surfaces = model.surfaces()
+    for surface in surfaces:  # before any program runs for minutes
+        _one_section(surface)
+    return tuple(_surface_polar(s, speed / viscosity, np.asarray(delta, float), source, progress) for s in surfaces)
 
 
 def with_control_kind(model: AircraftFile, kind: ControlKind) -> AircraftFile:
@@ -188,8 +194,8 @@ def inputs_at_lift(found: AircraftLattice, CL: float, delta: float) -> dict[str,
     return {"steady": 1.0, "alpha": alpha} | dict.fromkeys(found.controls, delta)
 
 
-def _surface_polar(surface: LiftingSurface, per_metre: float, delta: np.ndarray, source: Source) -> Polar:
-    """One surface's polar; `per_metre` is the Reynolds number of a chord of one metre."""
+def _one_section(surface: LiftingSurface) -> tuple[str, ControlKind, MorphReading, float]:
+    """Airfoil, kind and reading of the control, and hinge, which the whole surface must share."""
     names = {s.airfoil for s in surface.sections}
     looks = {(c.kind, c.reading, c.hinge_from, c.hinge_to) for c in surface.controls}
     if len(names) > 1 or len(looks) > 1:
@@ -197,12 +203,29 @@ def _surface_polar(surface: LiftingSurface, per_metre: float, delta: np.ndarray,
             f"surface {surface.name!r} mixes airfoils ({', '.join(sorted(names))}) or kinds and hinges of controls: "
             "the viscous wing takes one section polar for each surface; split it into surfaces of one airfoil each"
         )
+    if names == {"flat"}:
+        raise ValueError(
+            f"surface {surface.name!r}: its airfoil is 'flat', a plate without thickness, which has no polar; name an "
+            "airfoil in the model file, or leave out --speed for the lattice alone"
+        )
     kind, reading, hinge, hinge_to = looks.pop() if looks else ("hinged", "same_drop", 0.75, 0.75)
     if hinge != hinge_to:
         raise ValueError(
             f"surface {surface.name!r}: the hinge runs from {hinge:g} to {hinge_to:g} of the chord; the viscous wing "
             "takes one section polar for each surface, so the hinge must stay at one chord fraction"
         )
+    return names.pop(), kind, reading, hinge
+
+
+def _surface_polar(
+    surface: LiftingSurface,
+    per_metre: float,
+    delta: np.ndarray,
+    source: Source,
+    progress: Callable[[str], None] | None,
+) -> Polar:
+    """One surface's polar; `per_metre` is the Reynolds number of a chord of one metre."""
+    name, kind, reading, hinge = _one_section(surface)
     reynolds = per_metre * np.array([surface.chords.min(), surface.chords.max()])
     axis = np.geomspace(reynolds[0] * 0.99, reynolds[1] * 1.01, 3)
     reach = np.unique(np.concatenate([[0.0], delta]))
@@ -210,8 +233,8 @@ def _surface_polar(surface: LiftingSurface, per_metre: float, delta: np.ndarray,
     grid = np.unique(np.concatenate([reach, np.linspace(reach[0], reach[-1], steps)]).round(12))
     try:
         return section_polar(
-            names.pop(), alpha=_ALPHA, delta=grid, reynolds=axis, hinge=hinge, kind=kind, reading=reading,
-            source=source, whole_table=True,
+            name, alpha=_ALPHA, delta=grid, reynolds=axis, hinge=hinge, kind=kind, reading=reading,
+            source=source, whole_table=True, progress=progress,
         )  # fmt: skip
     except ValueError as error:
         raise ValueError(f"surface {surface.name!r}: {error}") from error

@@ -223,7 +223,7 @@ def _chosen(name: str, hinge: float, kind: ControlKind, reading: MorphReading, s
     if name == "flat":
         raise ValueError(
             "the section's airfoil is 'flat', a plate without thickness: it has no polar. Name an airfoil in the "
-            "model file, or with --airfoil"
+            "model file, or with polar --airfoil"
         )
     try:
         shipped_polar(name, kind)
