@@ -743,7 +743,8 @@ class LinearSystem:
 
         Examples
         --------
-        >>> lag = LinearSystem(A=[[-1.0]], B=[[1.0]], C=[[1.0]], D=[[0.0]], states=("x",), inputs=("u",), outputs=("y",))
+        >>> names = {"states": ("x",), "inputs": ("u",), "outputs": ("y",)}
+        >>> lag = LinearSystem(A=[[-1.0]], B=[[1.0]], C=[[1.0]], D=[[0.0]], **names)
         >>> lag.to_control().nstates
         1
         """

@@ -130,7 +130,9 @@ def test_garrick_and_rational_ends():
 
 
 @pytest.mark.parametrize(
-    "f", [wagner_function, kussner_function, garrick_wagner, rational_kussner, WAGNER_R_T_JONES], ids=lambda f: getattr(f, "__name__", "exponentials")
+    "f",
+    [wagner_function, kussner_function, garrick_wagner, rational_kussner, WAGNER_R_T_JONES],
+    ids=lambda f: getattr(f, "__name__", "exponentials"),
 )
 def test_nan_is_refused(f):
     with pytest.raises(ValueError, match=r"distance travelled s must be a number \[semichords\]"):

@@ -291,7 +291,14 @@ class PlantRows:
 
 
 def _named(
-    model: AeroelasticModel, A: Array, B: Array, jump: Array, plant: PlantRows, moved: list[Actuator], n: int, n_lag: int
+    model: AeroelasticModel,
+    A: Array,
+    B: Array,
+    jump: Array,
+    plant: PlantRows,
+    moved: list[Actuator],
+    n: int,
+    n_lag: int,
 ) -> LinearSystem:
     """Outputs and names: rates hold the jump of the gust."""
     modes, aero = model.modes, model.aero

@@ -74,5 +74,5 @@ def pitch_plunge(
         units=("m", "rad"),
         M_control=np.array(control_moments)[:, None],
         phi=phi,
-        grid=[[0.0, 0.0, 0.0]],
+        grid=np.zeros((1, 3)),
     )
