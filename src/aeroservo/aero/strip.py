@@ -237,7 +237,7 @@ def _fixed_columns(strips: Strips, section: _Section, names: tuple[str, ...]) ->
     inputs += [AeroInput(name="gust", kind="gust"), AeroInput(name="incidence", kind="steady")]
     camber = section.R * strips.incidence[:, None]
     camber[:, 1] += chord**2 * strips.cm0
-    columns += [camber, per_angle * (strips.y / strips.span)[:, None]]
+    columns += [camber, per_angle * strips.roll_angle[:, None]]
     inputs += [AeroInput(name="camber", kind="steady"), AeroInput(name="roll_rate", kind="steady")]
     return np.stack(columns, axis=2), tuple(inputs)
 

@@ -63,6 +63,9 @@ class Strips:
         Flap hinge, semi-chords aft of mid-chord, where a flap is one of the coordinates. [-]
     controls : tuple of StripControl
         Controls beside the elevon, or in its place.
+    roll_angle : ndarray, shape (n,), optional
+        Incidence of each strip in roll at a helix angle p span / V of 1, in the plane of the flow; default y / span.
+        Less where neighbours take part of it away. [rad]
     """
 
     y: Array
@@ -80,10 +83,15 @@ class Strips:
     span: float
     hinge: float | None = None
     controls: tuple[StripControl, ...] = ()
+    roll_angle: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         """Broadcast every array over the strips, lock and check them."""
         shape = np.shape(self.y)
+        if not self.span > 0.0:
+            raise ValueError(f"span must be positive [m], got {self.span:g}")
+        if self.roll_angle is None:
+            object.__setattr__(self, "roll_angle", np.asarray(self.y) / self.span)
         for name in _STRIP_ARRAYS:
             value = frozen(np.broadcast_to(getattr(self, name), shape), ndim=1, name=name)
             object.__setattr__(self, name, value)
@@ -91,8 +99,6 @@ class Strips:
             raise ValueError(f"semi-chord b must be positive [m], got {self.b.min():g}")
         if np.any(np.abs(self.sweep) >= 0.5 * np.pi):
             raise ValueError("sweep must lie between -90 and 90 degrees")
-        if not self.span > 0.0:
-            raise ValueError(f"span must be positive [m], got {self.span:g}")
         for control in self.controls:
             if control.lift.shape != shape or control.moment.shape != shape:
                 raise ValueError(
@@ -114,6 +120,7 @@ _STRIP_ARRAYS = (
     "elevon_moment",
     "incidence",
     "cm0",
+    "roll_angle",
 )
 
 

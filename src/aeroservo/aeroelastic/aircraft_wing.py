@@ -20,10 +20,14 @@ Lift, and torque about the axis, are those of the lattice at every place; the ro
 section carries its load on its own chord, which on a swept wing leaves the streamwise one (an aileron of `thesis-uav`
 rolls 2.6 % less than in the lattice).
 
-What the strips do not have from the lattice: the aerodynamic centre is at the quarter chord everywhere; the slopes are
-those of the uniform incidence for every mode, for antisymmetric motion as well (there the lattice would give less);
-of dihedral only the developed length is kept. Sections are taken to keep their loading's shape as the wing deforms,
-good for aspect ratios above five or so; below, `flutter` and `static` from strips are a first estimate.
+Slopes are those of a uniform incidence, but those of the wing in roll, c_l_p/(cos(Lambda) y), where the root is free
+and the motion antisymmetric: the two halves then take more from each other (a third, for `thesis-uav`). A clamped half
+wing has the first, and its steady rate of roll the second; roll reversal of the whole aircraft asks for
+`root = "free"`, `symmetry = "antisymmetric"`.
+
+What the strips do not have from the lattice: the aerodynamic centre is at the quarter chord everywhere; of dihedral
+only the developed length is kept. Sections are taken to keep their loading's shape as the wing deforms, good for
+aspect ratios above five or so; below, `flutter` and `static` from strips are a first estimate.
 """
 
 from __future__ import annotations
@@ -48,6 +52,7 @@ from aeroservo.structure.beam_axis import BeamMass, SlenderBeam
 CORNER = 1e-3
 #: Where that station lies: this part of the panel inboard of the corner.
 INBOARD = 0.01
+_MOTIONS = ("alpha", "steady", "p")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,7 +62,8 @@ class SectionLoading:
     Attributes
     ----------
     names : tuple of str
-        Inputs: "alpha", "steady" (camber and twist), and the controls. [rad, -]
+        Inputs: "alpha", "steady" (camber and twist), "p" (rate of roll over airspeed, starboard wing down; may be
+        left out), and the controls. [rad, -, rad/m]
     edges : ndarray, shape (n + 1,)
         Edges of the strips, fractions of the developed span. [-]
     lift : ndarray, shape (n, n_inputs)
@@ -108,7 +114,7 @@ def section_loading(model: AircraftFile, method: VortexLattice = DEFAULT) -> Sec
     Returns
     -------
     loading : SectionLoading
-        Per radian of incidence and of every control of that surface, and of camber and twist. [SI]
+        Per radian of incidence and of every control of that surface, of camber and twist, and of roll. [SI]
 
     Raises
     ------
@@ -123,7 +129,7 @@ def section_loading(model: AircraftFile, method: VortexLattice = DEFAULT) -> Sec
     --------
     >>> from aeroservo.aircraft.files import read
     >>> section_loading(read("thesis-uav")).names
-    ('alpha', 'steady', 'elevon', 'elevon_antisymmetric')
+    ('alpha', 'steady', 'p', 'elevon', 'elevon_antisymmetric')
     """
     surface = carrier(model)
     found = aircraft_lattice(model.surfaces(), model.references(), method=method)
@@ -131,7 +137,7 @@ def section_loading(model: AircraftFile, method: VortexLattice = DEFAULT) -> Sec
     index = found.solution.lattice.surfaces.index(surface.name)
     mine = (loads.surface == index) & (loads.side > 0)
     own = [c.name + ending for c in surface.controls for ending in ("", ANTISYMMETRIC)]
-    names = ("alpha", "steady", *(name for name in own if name in loads.names))
+    names = ("alpha", "steady", "p", *(name for name in own if name in loads.names))
     columns = [loads.names.index(name) for name in names]
     chord, width = loads.chord[mine, None], loads.width[mine]
     stations = span_stations(surface)
@@ -182,14 +188,16 @@ def aircraft_wing(model: AircraftFile, loading: SectionLoading | None = None) ->
     surface, root = carrier(model), _structure(model)
     chosen = [
         name
-        for name in sorted(loading.names[2:], key=lambda name: not name.endswith(ANTISYMMETRIC))
-        if root.root == "clamped" or name.endswith(ANTISYMMETRIC) == (root.symmetry == "antisymmetric")
+        for name in sorted(loading.names, key=lambda name: not name.endswith(ANTISYMMETRIC))
+        if name not in _MOTIONS
+        and (root.root == "clamped" or name.endswith(ANTISYMMETRIC) == (root.symmetry == "antisymmetric"))
     ]
+    rolls = root.root == "free" and root.symmetry == "antisymmetric"
     ends = [x for c in surface.controls for x in (c.span_from, c.span_to) if 0.0 < x < 1.0]
     return StripWing(
         name=model.name,
         beam=_beam(model, axis),
-        strips=lambda s, width: _strips(axis, loading, chosen, s, width),
+        strips=lambda s, width: _strips(axis, loading, chosen, s, width, rolls=rolls),
         breaks=tuple(np.interp(np.array(ends) * axis.r[-1], axis.r, axis.s).tolist()),
     )
 
@@ -345,13 +353,16 @@ def _lumps(model: AircraftFile, axis: _Axis) -> tuple[BeamMass, ...]:
     return tuple(out)
 
 
-def _strips(axis: _Axis, loading: SectionLoading, controls: list[str], s: Array, width: Array) -> Strips:
+def _strips(
+    axis: _Axis, loading: SectionLoading, controls: list[str], s: Array, width: Array, *, rolls: bool
+) -> Strips:
     """Sections normal to the axis that carry the loading of the streamwise ones."""
     y, sweep = np.interp(s, axis.s, axis.y), axis.sweep[axis.panel(s)]
     chord, flexural = np.interp(y, axis.y, axis.chord), np.interp(y, axis.y, axis.flexural)
     lift, moment = loading.at(np.interp(s, axis.s, axis.r) / axis.r[-1])
     cl, cm, cos = lift / chord[:, None], moment / chord[:, None] ** 2, np.cos(sweep)
-    slope = cl[:, 0] / cos
+    in_roll = cl[:, loading.names.index("p")] / (y * cos) if "p" in loading.names else cl[:, 0] / cos
+    slope = in_roll if rolls else cl[:, 0] / cos
     if np.any(slope < 0.0):
         worst = int(np.argmin(slope))
         raise ValueError(
@@ -359,7 +370,8 @@ def _strips(axis: _Axis, loading: SectionLoading, controls: list[str], s: Array,
             "carry that; is another surface just ahead?"
         )
     lifting = slope > 1e-9 * slope.max()
-    incidence = np.divide(cl[:, 1], cos * cl[:, 0], out=np.zeros(len(s)), where=lifting)
+    incidence = np.divide(cl[:, 1], cos**2 * slope, out=np.zeros(len(s)), where=lifting)
+    of_the_angle = np.divide(in_roll, slope, out=np.zeros(len(s)), where=lifting)
     derivatives = []
     for name in controls:
         j = loading.names.index(name)
@@ -381,4 +393,5 @@ def _strips(axis: _Axis, loading: SectionLoading, controls: list[str], s: Array,
         cm0=cm[:, 1] / cos**2,
         span=float(axis.y[-1]),
         controls=tuple(derivatives),
+        roll_angle=of_the_angle * y / axis.y[-1],
     )
