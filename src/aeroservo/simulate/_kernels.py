@@ -6,9 +6,9 @@ Imports nothing of ours. Every model is one stack of rows Z(t) over the columns 
     next n_phi rows:          argument of each nonlinear element, which may use elements before it
     next n_y rows:            outputs
 
-w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. Only the first
-`live` columns and phi change inside a step; the rest is summed once (`steady`). All arrays of state are changed in place,
-so that a run can be cut into pieces.
+w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. Only the
+first `live` columns and phi change inside a step; the rest is summed once (`steady`). All arrays of state are changed
+in place, so that a run can be cut into pieces.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ OVERFLOW = 1e30
 SPLITS = 6  # of one step, at corners of its elements
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def element(kind, y, pars, j, memory):  # pragma: no cover - compiled
     """Value of one nonlinear element at its argument; row j of pars (par below) holds its numbers."""
     if kind == SPRING:  # -(force - linear force): par = linear, gap, K, count, c0, c1, ...
@@ -49,7 +49,7 @@ def element(kind, y, pars, j, memory):  # pragma: no cover - compiled
     return y - pars[j, 0] if y - pars[j, 0] > memory else (y + pars[j, 0] if y + pars[j, 0] < memory else memory)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def piece(kind, y, pars, j, memory):  # pragma: no cover - compiled
     """Number of the smooth piece of an element in which its argument is: a change is a corner."""
     if kind == TABLE:
@@ -64,7 +64,7 @@ def piece(kind, y, pars, j, memory):  # pragma: no cover - compiled
     return 1 if y > middle + width else (2 if y < middle - width else 0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
     """Part of the first `count` rows that does not change inside a step: what is held, and the one."""
     last = Z.shape[1] - 1
@@ -75,7 +75,7 @@ def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
         out[r] = total
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # pragma: no cover - compiled
     """Fill the phi columns of xi, in order, and their arguments."""
     for j in range(kinds.shape[0]):
@@ -88,7 +88,7 @@ def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # prag
         xi[first + j] = element(kinds[j], y, pars, j, memory[j])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
     """Part of a step after which the first element leaves its smooth piece; 1 if none does. Arguments run straight."""
     found = 1.0
@@ -106,7 +106,7 @@ def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cover - compiled
     """out = rows start .. start + count of Z times xi, the fixed part being known."""
     for r in range(count):
@@ -118,7 +118,7 @@ def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cov
         out[r] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
     """x' for a filled xi (states, inputs and the one); for tests and linearisation."""
     out, fixed = np.empty(n_x), np.empty(Z.shape[0])
@@ -128,7 +128,7 @@ def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - co
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):  # pragma: no cover - compiled
     """Gusts, and the rates of the smooth ones, at the fraction f of base step k: held values and 1-cosine pulses."""
     here = path[k] + dt * f * (speed[k] + 0.5 * f * (speed[k + 1] - speed[k]))
@@ -146,7 +146,7 @@ def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):  # pragma: no c
         xi[at + zones + z] = rate
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
     """Rows between knots, linear in time; `position` counts base steps from the first knot."""
     if knots.shape[0] == 1:
@@ -158,7 +158,7 @@ def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
             out[r, c] = knots[i, r, c] + f * (knots[i + 1, r, c] - knots[i, r, c])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def control(
     matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, xc, new, command
 ):  # pragma: no cover - compiled
@@ -186,7 +186,7 @@ def control(
         xc[r] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def step_rk4(
     Z, knots, per_knot, n_x, live, first, moving, kinds, pars, memory, xi, x, h, k, f0, f1,
     held, path, speed, dt, cosines, offsets, fixed, args, k1, k2,
@@ -228,7 +228,7 @@ def step_rk4(
         elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle(n_x, first, kinds, memory, stops, x, xi):  # pragma: no cover - compiled
     """After a step: hard stops of the surfaces, and the memory of elements with play, whose values xi holds."""
     for j in range(stops.shape[0]):
@@ -246,7 +246,7 @@ def settle(n_x, first, kinds, memory, stops, x, xi):  # pragma: no cover - compi
             memory[j] = xi[first + j]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def run(
     knots, per_knot, sizes, kinds, pars, memory, stops, exact, n_sub, dt, k_start, n_step,
     x, held, path, speed, cosines, offsets, external,
@@ -387,7 +387,7 @@ def run(
     return 0, n_step, written, -1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def coloured(Ad, Ld, C, hold, start, x, noise, out):  # pragma: no cover - compiled
     """Output C x of x <- Ad x + Ld noise over the steps of a piece; x is carried on; matrices serve `hold` steps."""
     n = x.shape[0]
