@@ -101,6 +101,33 @@ def test_thesis_uav_carries_the_lattice() -> None:
     assert built.mass == pytest.approx(5.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("name", ["straight", "forward", "cranked"])
+@pytest.mark.parametrize("root", [{}, {"root": "free", "symmetry": "antisymmetric"}])
+def test_the_strips_roll_like_the_lattice(name: str, root: dict[str, str]) -> None:
+    """Lift of the half wing, weighted by its arm, per rate of roll: the lattice's damping in roll, 1 %."""
+    model = aircraft(WINGS[name], **root)
+    d, ref = aircraft_lattice(model.surfaces(), model.references()).derivatives, model.references()
+    loads, j = build(model, "quasi_steady").loads, build(model, "quasi_steady").column("roll_rate")
+    ours = 2.0 * loads.width @ (loads.lift[:, j] * loads.y)
+    assert ours == pytest.approx(-d.of("Cl", "p") * ref.S * ref.b, rel=0.01)
+
+
+def test_antisymmetric_motion_has_the_slopes_of_roll() -> None:
+    """Less than in symmetric motion, as neighbours across the root work against each other; alike on a long wing."""
+    ratio = []
+    for span in (1.0, 40.0):
+        free = {"root": "free", "symmetry": "antisymmetric"}
+        slopes = [
+            aircraft_wing(aircraft([(0.0, 0.0, 0.5), (span, 0.0, 0.5)], **how))
+            .strips(np.array([0.7 * span]), np.ones(1))
+            .lift_slope[0]
+            for how in ({}, free)
+        ]
+        ratio.append(slopes[1] / slopes[0])
+    assert ratio[0] < 0.8
+    assert ratio[1] == pytest.approx(1.0, abs=0.03)
+
+
 def even(lift: dict[str, float], chord: float, moment: dict[str, float], ends: tuple[float, float]) -> SectionLoading:
     """The same section everywhere; the control between two fractions of the span."""
     edges = np.array([0.0, *ends, 1.0])
