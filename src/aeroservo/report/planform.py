@@ -102,8 +102,8 @@ def _surface(above: Any, front: Any, side: Any, surface: LiftingSurface, sign: f
     edge, chord = surface.leading_edge, surface.chords
     x, y, z = edge.T
     y = sign * y
-    drop = chord * np.sin(surface.twists)
-    back = x + chord * np.cos(surface.twists)
+    drop = chord * np.tan(surface.twists)  # the chord of the file is streamwise, whatever the twist
+    back = x + chord
     outline = np.concatenate([x, back[::-1], x[:1]]), np.concatenate([y, y[::-1], y[:1]])
     above.fill(outline[1], outline[0], facecolor=_FILL, edgecolor="none")
     closed = len(outline[0]) if y[0] != 0.0 or not surface.mirrored else -1  # no line where the halves meet
