@@ -169,7 +169,7 @@ def test_page_is_self_contained(monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
     monkeypatch.setattr(demo_module, "as_bytes", lambda figure, e: real(figure, e) if e == ".png" else b"no PDF")
     page = Page(write_demo(study, tmp_path).read_text(encoding="utf-8"))
     names = [drawing.name for drawing in drawings(study)]
-    assert len(page.pictures) == len(names) == 8
+    assert len(page.pictures) == len(names) == 10
     assert all(str(p["src"]).startswith("data:image/png;base64,") and p["alt"] for p in page.pictures)
     assert page.tags.count("table") == 3
     assert not {"script", "link", "iframe", "object"} & set(page.tags)

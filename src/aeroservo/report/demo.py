@@ -17,9 +17,10 @@ import numpy as np
 
 from aeroservo.aircraft.files import write_whole
 from aeroservo.report.figures import as_bytes, plot_flutter
+from aeroservo.report.surfaces import surface_figure
 from aeroservo.report.thesis_figures import plot_fixed_k, plot_flutter_prediction, plot_response_against_speed
 from aeroservo.report.thesis_text import held_conclusions, html_tables
-from aeroservo.studies.thesis import ALTITUDES, MODELS, Run, ThesisStudy, thesis_study
+from aeroservo.studies.thesis import ALTITUDES, MODELS, Run, ThesisStudy, thesis_study, thesis_surface
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -198,6 +199,21 @@ def drawings(study: ThesisStudy) -> tuple[Drawing, ...]:
                 caption=f"As the thesis' Fig. {number}: flutter prediction of the {whole[model]}, {high:g} m; "
                 "consistent Theodorsen p-k in place of derivatives held at one k.",
                 draw=lambda model=model: plot_flutter_prediction(study, model, high),  # type: ignore[misc]
+            )
+        )
+    for number, field, what in (
+        (29, "altitude_m", "altitude"),
+        (30, "wing.pitch_stiffness_N_m", f"pitch stiffness, {high:g} m"),
+    ):
+        title = f"Whole aircraft: damping over speed and {what} (thesis Fig. {number})"
+        found.append(
+            Drawing(
+                name=f"fig{number}-{what.split(',')[0].replace(' ', '-')}",
+                caption=f"As the thesis' Fig. {number}: damping ratio of the whole aircraft over speed and {what}, "
+                "quasi-steady with pitch damping; the line is flutter.",
+                draw=lambda field=field, title=title: surface_figure(  # type: ignore[misc]
+                    thesis_surface(field), title
+                ),
             )
         )
     found.append(
