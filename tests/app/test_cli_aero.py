@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aeroservo.studies import section_polar
 from aeroservo.studies.aircraft_aero import aircraft_coefficients, kinematic_viscosity, read_aircraft
 from aeroservo.studies.wing_polar import wing_polar
 
@@ -270,3 +272,30 @@ def test_avl_files_become_model_files(cli: Cli, tmp_path: Path, monkeypatch: pyt
     assert target.read_bytes() == content
     assert cli("new", tmp_path / "no.avl", tmp_path / "no.toml").code == 2
     assert not (tmp_path / "no.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('airfoil = "mh62"', 'airfoil = "naca2412"', ["mixes airfoils (mh62, naca2412)", "split"]),
+        ("hinge_to = 0.75", "hinge_to = 0.7", ["the hinge runs from 0.75 to 0.7", "one chord fraction"]),
+        ("hinge_from = 0.75\nhinge_to = 0.75", "hinge_from = 0.7\nhinge_to = 0.7", ["0.7 of the chord", "pip install"]),
+        ('kind = "hinged"', 'kind = "morphed"\nreading = "same_slope"', ["morphed", "pip install"]),
+    ],
+)
+def test_a_table_is_never_taken_for_another_section(
+    cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, old: str, new: str, words: list[str]
+) -> None:
+    """The shipped table is of one hinge: any other control needs a program, and without one there is no drag."""
+    monkeypatch.setattr(section_polar, "find_spec", lambda name: None)
+    monkeypatch.setattr(shutil, "which", lambda name, *a, **k: None)
+    path = tmp_path / "mine.toml"
+    assert cli("new", "thesis-uav", path).code == 0
+    lines = [x.split("  #")[0].rstrip() for x in path.read_text(encoding="utf-8").splitlines()]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    changed(cli, tmp_path, old, new)
+    answer = cli("aero", path, "--speed", "30", "--json")
+    assert (answer.code, answer.out) == (2, "")
+    for word in ["surface 'wing'", *words]:
+        assert word in answer.err
+    assert cli("aero", path, "--json").code == 0  # the lattice alone needs none of it

@@ -113,7 +113,10 @@ def wing_polar_figure(
         or outside their polars.
     """
     columns = len(groups)
-    figure = new_figure(title, 4, columns, width=6.4 if columns == 1 else 4.9, height=2.7)
+    if columns == 1:
+        figure = new_figure(title, 2, 2, width=5.4, height=3.3)
+    else:
+        figure = new_figure(title, 4, columns, width=4.9, height=2.7)
     axes = np.array(figure.axes).reshape(4, columns)
     degrees = np.degrees(np.asarray(alpha, dtype=float))
     for column, (name, deltas, polars) in enumerate(groups):
@@ -132,7 +135,8 @@ def wing_polar_figure(
                     look = style(j) | {"linewidth": 0.7}
                     ax.plot(degrees, inviscid, **look)
         axes[0, column].set_title(literal(name), fontsize="medium")
-        axes[3, column].set_xlabel("angle of attack, deg")
+        for ax in axes[2:, column] if columns == 1 else axes[3:, column]:
+            ax.set_xlabel("angle of attack, deg")
     for ax, text in zip(axes[:, 0], ("CL", "CD", "CM about the reference point", "CL/CD")):
         ax.set_ylabel(text)
     _say_lines(axes[0, 0])
