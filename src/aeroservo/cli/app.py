@@ -53,7 +53,9 @@ def _top(
 
 
 app.command("list", help="The presets.")(model_files.list_presets)
-app.command("new", help="Copy a preset, or convert an AVL file (.avl), to a model file of your own.")(model_files.new_file)
+app.command("new", help="Copy a preset, or convert an AVL file (.avl), to a model file of your own.")(
+    model_files.new_file
+)
 app.command("check", help="Check a model file; print what follows from it.")(model_files.check)
 app.command("polar", help="Airfoil polars with the control deflected.")(polar)
 app.command("aero", help="Lift, drag, moment and derivatives of the aircraft.")(aero)
