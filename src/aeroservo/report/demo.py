@@ -20,7 +20,8 @@ from aeroservo.report.figures import as_bytes, plot_flutter
 from aeroservo.report.surfaces import surface_figure
 from aeroservo.report.thesis_figures import plot_fixed_k, plot_flutter_prediction, plot_response_against_speed
 from aeroservo.report.thesis_text import held_conclusions, html_tables
-from aeroservo.studies.thesis import ALTITUDES, MODELS, Run, ThesisStudy, thesis_study, thesis_surface
+from aeroservo.studies.thesis import ALTITUDES, MODELS, Run, ThesisStudy, thesis_study
+from aeroservo.studies.thesis_surface import thesis_surface
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,6 +9,8 @@ Imports nothing of ours. Every model is one stack of rows Z(t) over the columns 
 w are inputs that live in time (gusts), s are held over a base step (commands), phi are the elements' values. Only the
 first `live` columns and phi change inside a step; the rest is summed once (`steady`). All arrays of state are changed
 in place, so that a run can be cut into pieces.
+
+Over budget because the loop that runs a million times is compiled as one piece.
 """
 
 from __future__ import annotations
