@@ -619,6 +619,8 @@ class AeroelasticModel:
     statics : AeroelasticModel, optional
         The same wing, root held, in as many modes as static deflections need: what static analyses use where it is
         given, so that dynamic ones can do with few modes.
+    rolling : AeroelasticModel, optional
+        As `statics`, in the air forces of antisymmetric motion where they are others: for reversal of roll.
     actuators : tuple of Actuator
         What moves the controls; a control without one follows its command at once.
     sensors : tuple of Sensor
@@ -640,6 +642,7 @@ class AeroelasticModel:
     springs: tuple[Spring, ...] = ()
     mass: float | None = None
     statics: AeroelasticModel | None = None
+    rolling: AeroelasticModel | None = None
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     lift_curve: LiftCurve | None = None
@@ -674,7 +677,7 @@ class AeroelasticModel:
 
     def with_K(self, K: Array) -> AeroelasticModel:
         """The same model on another stiffness matrix, shape (n, n), which its statics then use too. [SI]"""
-        return replace(self, modes=replace(self.modes, K=K), statics=None)
+        return replace(self, modes=replace(self.modes, K=K), statics=None, rolling=None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

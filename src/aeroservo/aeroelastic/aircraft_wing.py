@@ -22,8 +22,7 @@ rolls 2.6 % less than in the lattice).
 
 Slopes are those of a uniform incidence, but those of the wing in roll, c_l_p/(cos(Lambda) y), where the root is free
 and the motion antisymmetric: the two halves then take more from each other (a third, for `thesis-uav`). A clamped half
-wing has the first, and its steady rate of roll the second; roll reversal of the whole aircraft asks for
-`root = "free"`, `symmetry = "antisymmetric"`.
+wing has the first, and the second in all that is about roll: its steady rate, effectiveness and reversal.
 
 What the strips do not have from the lattice: the aerodynamic centre is at the quarter chord everywhere; of dihedral
 only the developed length is kept. Sections are taken to keep their loading's shape as the wing deforms, good for
@@ -192,6 +191,7 @@ def aircraft_wing(model: AircraftFile, loading: SectionLoading | None = None) ->
         if name not in _MOTIONS
         and (root.root == "clamped" or name.endswith(ANTISYMMETRIC) == (root.symmetry == "antisymmetric"))
     ]
+    both = root.root == "clamped" and "p" in loading.names and any(name.endswith(ANTISYMMETRIC) for name in chosen)
     rolls = root.root == "free" and root.symmetry == "antisymmetric"
     ends = [x for c in surface.controls for x in (c.span_from, c.span_to) if 0.0 < x < 1.0]
     return StripWing(
@@ -199,6 +199,7 @@ def aircraft_wing(model: AircraftFile, loading: SectionLoading | None = None) ->
         beam=_beam(model, axis),
         strips=lambda s, width: _strips(axis, loading, chosen, s, width, rolls=rolls),
         breaks=tuple(np.interp(np.array(ends) * axis.r[-1], axis.r, axis.s).tolist()),
+        rolling=(lambda s, width: _strips(axis, loading, chosen, s, width, rolls=True)) if both else None,
     )
 
 

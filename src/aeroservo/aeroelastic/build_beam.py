@@ -61,12 +61,15 @@ class StripWing:
         (n_strips,).
     breaks : tuple of float
         Places along the axis at which sections change suddenly: ends of controls. [m]
+    rolling : callable, optional
+        As `strips`, in antisymmetric motion, where they differ then: for reversal of roll with the root held.
     """
 
     name: str
     beam: SlenderBeam
     strips: Callable[[Array, Array], Strips]
     breaks: tuple[float, ...] = ()
+    rolling: Callable[[Array, Array], Strips] | None = None
 
 
 def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
@@ -109,19 +112,29 @@ def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
     limit = static_limit(beam, every, s)
 
     def coupled(
-        basis: Callable[[Array], ModalModel], section: Theory, nodes: Array, statics: AeroelasticModel | None
+        basis: Callable[[Array], ModalModel],
+        section: Theory,
+        nodes: Array,
+        sections: Callable[[Array, Array], Strips] = wing.strips,
     ) -> AeroelasticModel:
         s, width = gauss_points(nodes, PART_POINTS)
         points = np.concatenate([s, beam.y[-1:], [lump.y for lump in beam.masses]])
-        strips, shapes = wing.strips(s, width), basis(points)
+        strips, shapes = sections(s, width), basis(points)
         aero, loads = strip_aero(strips, strip_shapes(shapes, strips.sweep), shapes.names, section)
         loads = replace(loads, weight=_weight(beam, shapes, points, width), limit=limit)
-        return AeroelasticModel(modes=shapes, aero=aero, name=wing.name, loads=loads, mass=mass, statics=statics)
+        return AeroelasticModel(modes=shapes, aero=aero, name=wing.name, loads=loads, mass=mass)
 
-    statics = coupled(lambda x: _strain_modes(beam, x, nodes), QuasiSteady(damped=False), nodes, None)
+    finest, steady = nodes, QuasiSteady(damped=False)
+
+    def held(points: Array) -> ModalModel:
+        return _strain_modes(beam, points, finest)
+
+    statics = coupled(held, steady, finest)
+    rolling = None if wing.rolling is None else coupled(held, steady, finest, wing.rolling)
     if isinstance(theory, Indicial) and len(np.unique(every.b)) > 1:
         nodes = _parts(wing, LAGGING_PARTS)
-    return coupled(lambda x: modes(beam, n=BEAM_MODES + rigid, points=x), theory, nodes, statics)
+    dynamic = coupled(lambda x: modes(beam, n=BEAM_MODES + rigid, points=x), theory, nodes)
+    return replace(dynamic, statics=statics, rolling=rolling)
 
 
 def beam_wing(model: BeamWing) -> StripWing:

@@ -215,7 +215,7 @@ def _static_boundary(model: AeroelasticModel, condition: FlightCondition, V: flo
     rho, a_sound = float(condition.rho), float(condition.a_sound)
 
     def at(varied: AeroelasticModel, speed: float) -> Array:
-        wing = varied.statics or varied
+        wing = (bordered and varied.rolling) or varied.statics or varied
         index, K = elastic_stiffness(wing)
         q, Q0 = 0.5 * rho * speed**2, wing.aero(0.0, speed / a_sound).real
         matrix = K - q * Q0[np.ix_(index, index)]

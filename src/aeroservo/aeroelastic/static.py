@@ -159,12 +159,14 @@ def static(model: AeroelasticModel, sweep: FlightCondition) -> StaticResult:
     >>> static(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[2.0], rho=1.0)).divergence
     StaticSpeed(q=8.0, V=4.0)
     """
-    model = model.statics or model
     diverges = divergence(model, sweep[0])
     quantity, reverses = reversal(model, sweep[0])
+    rolling, model = model.rolling, model.statics or model
     stable = np.ones(sweep.V.shape, bool) if diverges.V is None else sweep.V < diverges.V * (1.0 - 1e-12)
     nothing = np.full(sweep.V.shape, np.nan)
-    response = _Elastic(model, sweep[stable] if stable.any() else sweep[:0])
+    usable = sweep[stable] if stable.any() else sweep[:0]
+    response = _Elastic(model, usable)
+    controlled = response if rolling is None or quantity != "roll" else _Elastic(rolling, usable)
 
     def spread(values: Array | None) -> Array:
         out = nothing.copy()
@@ -185,8 +187,8 @@ def static(model: AeroelasticModel, sweep: FlightCondition) -> StaticResult:
         divergence=diverges,
         reversal=reverses,
         reversal_quantity=quantity,
-        effectiveness=spread(response.rate_effectiveness(quantity)),
-        moment_effectiveness=spread(response.held_effectiveness(quantity)),
+        effectiveness=spread(controlled.rate_effectiveness(quantity)),
+        moment_effectiveness=spread(controlled.held_effectiveness(quantity)),
         twist=spread(response.twist("incidence")),
         trim_incidence=spread(incidence),
         trim_twist=spread(twist),
@@ -239,12 +241,15 @@ def reversal(
     >>> reversal(AeroelasticModel(modes=one, aero=air, loads=loads), FlightCondition(V=1.0, rho=1.0))[1].q
     4.0
     """
-    model = model.statics or model
+    rolling, model = model.rolling, model.statics or model
     column = _control_column(model, control)
     if model.loads is None or column is None:
         return None, StaticSpeed(q=None, V=None)
     quantity = quantity or ("roll" if "roll" in model.loads.names else "lift")
-    row, (index, K) = model.loads.row(quantity), elastic_stiffness(model)
+    loads = model.loads
+    if quantity == "roll" and rolling is not None and rolling.loads is not None:
+        model, loads = rolling, rolling.loads
+    row, (index, K) = loads.row(quantity), elastic_stiffness(model)
 
     def lowest(mach: float) -> float | None:
         Q0 = model.aero(0.0, mach).real

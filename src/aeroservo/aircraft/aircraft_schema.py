@@ -213,8 +213,8 @@ class AircraftFile(FileModel):
         found = [
             f"elastic wing: beam from [structure], in {surface.name!r} only; strips normal to its flexural axis, with "
             "lift slopes, built-in incidence and moment, and control derivatives from the span loading of the lattice "
-            "(steady, Mach 0), aerodynamic centres at the quarter chord; slopes are those of roll where the root "
-            "is free and the motion antisymmetric, else those of uniform incidence"
+            "(steady, Mach 0), aerodynamic centres at the quarter chord; slopes are those of the lattice in roll "
+            "for roll and for antisymmetric motion of a free root, else those of uniform incidence"
         ]
         if any(s.z_le_m != surface.section[0].z_le_m for s in surface.section):
             found.append(f"elastic wing: {surface.name!r} has dihedral, of which only the developed length is kept")
