@@ -181,8 +181,8 @@ def _section(model: TypicalSection, theory: Theory) -> AeroelasticModel:
         modes = replace(modes, K=K)
         gaps = {"pitch": s.nonlinear.freeplay_rad}
         springs = tuple(
-            Spring(mode=name, polynomial=polynomial, freeplay=gaps.get(name, 0.0))
-            for name, polynomial in linear.items()
+            Spring(mode=name, polynomial=polynomial, freeplay=gaps.get(name, 0.0), stiffness=stiffness)
+            for (name, polynomial), stiffness in zip(linear.items(), (s.plunge_stiffness_N_per_m2, s.pitch_stiffness_N))
         )
     viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
     dampers = (
