@@ -17,6 +17,7 @@ from aeroservo.cli.output import complain, heading, number, print_json, table, w
 from aeroservo.cli.polar import Chosen, PolarSource
 
 if TYPE_CHECKING:
+    from aeroservo.aero.coefficients import AeroCoefficients
     from aeroservo.aero.viscous_wing import WingPolar
     from aeroservo.aeroelastic.aircraft_lattice import AircraftLattice
     from aeroservo.aircraft.aircraft_schema import AircraftFile
@@ -56,6 +57,12 @@ class AeroFigure(StrEnum):
     trim = "trim"
 
 
+Figure = Annotated[
+    AeroFigure | None,
+    typer.Option("--figure", help="What --plot draws (default: polars with --speed, else loading)."),
+]
+
+
 def aero(
     model: Model,
     *,
@@ -72,10 +79,7 @@ def aero(
     polar_out: PolarOut = None,
     loading_out: LoadingOut = None,
     plot: Plot = None,
-    figure: Annotated[
-        AeroFigure | None,
-        typer.Option("--figure", help="What --plot draws (default: polars with --speed, else loading)."),
-    ] = None,
+    figure: Figure = None,
     as_json: Json = False,
 ) -> None:
     """Print the coefficients and derivatives of an aircraft.
@@ -142,8 +146,18 @@ def aero(
     _write(found, case, polars, out=out, polar_out=polar_out, loading_out=loading_out)
     if plot is not None:
         draw(plot, _figure(wanted, case, found, lift, f"{file.name}, {air(head)}"))
+    content = _content(coefficients)
+    if as_json:
+        print_json(head | content)
+        return
+    _print(file, found, content, coefficients.source)
+    _print_polars(case, polars)
+
+
+def _content(coefficients: AeroCoefficients) -> dict[str, Any]:
+    """The keys of the contract."""
     ref = coefficients.reference
-    content = {
+    return {
         "CL_alpha": coefficients.CL_alpha,
         "CM_alpha": coefficients.CM_alpha,
         "CL_q": coefficients.CL_q,
@@ -162,11 +176,6 @@ def aero(
             "rates": coefficients.rates,
         },
     }
-    if as_json:
-        print_json(head | content)
-        return
-    _print(file, found, content, coefficients.source)
-    _print_polars(case, polars)
 
 
 def _check(speed: float | None, wanted: AeroFigure, plot: Path | None, polar_out: Path | None) -> None:

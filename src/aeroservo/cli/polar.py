@@ -46,6 +46,20 @@ Alpha = Annotated[str, typer.Option("--alpha", metavar="MIN:MAX:STEP", help="Ang
 Deflections = Annotated[
     str, typer.Option("--deflection", metavar="LIST", help="Trailing edge down, deg; or MIN:MAX:STEP.")
 ]
+Numbers = Annotated[
+    str | None,
+    typer.Option("--reynolds", metavar="LIST", help=f"Reynolds numbers (default {REYNOLDS}, or by --speed)."),
+]
+Speed = Annotated[
+    float | None, typer.Option("--speed", metavar="M_S", help="Reynolds number of the mean chord at this speed.")
+]
+SurfaceName = Annotated[
+    str | None, typer.Option("--surface", metavar="NAME", help="Surface that lends airfoil and control.")
+]
+PolarFiles = Annotated[
+    list[Path] | None,
+    typer.Option("--polar-file", metavar="FILE", help="Read XFOIL's polar files instead; repeatable."),
+]
 Chosen = Annotated[PolarSource, typer.Option("--source", help="What the polars are taken from.")]
 
 
@@ -54,25 +68,15 @@ def polar(
     *,
     alpha: Alpha = "-4:12:0.5",
     deflection: Deflections = "-10,-5,0,5,10",
-    reynolds: Annotated[
-        str | None,
-        typer.Option("--reynolds", metavar="LIST", help=f"Reynolds numbers (default {REYNOLDS}, or by --speed)."),
-    ] = None,
-    speed: Annotated[
-        float | None, typer.Option("--speed", metavar="M_S", help="Reynolds number of the mean chord at this speed.")
-    ] = None,
+    reynolds: Numbers = None,
+    speed: Speed = None,
     altitude: Altitude = None,
     density: Density = None,
-    surface: Annotated[
-        str | None, typer.Option("--surface", metavar="NAME", help="Surface that lends airfoil and control.")
-    ] = None,
+    surface: SurfaceName = None,
     airfoil: Foil = None,
     kind: Annotated[Kind | None, typer.Option("--kind", help="Kind of control (default: the surface's).")] = None,
     source: Chosen = PolarSource.auto,
-    polar_file: Annotated[
-        list[Path] | None,
-        typer.Option("--polar-file", metavar="FILE", help="Read XFOIL's polar files instead; repeatable."),
-    ] = None,
+    polar_file: PolarFiles = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the polars, .csv.")] = None,
     plot: Plot = None,
     as_json: Json = False,
