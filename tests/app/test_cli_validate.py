@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from aeroservo.studies import validation
+from aeroservo.studies.case_calls import evaluated
 
 Cli = Callable[..., Any]
 COMMON = {"schema_version", "model", "altitude_m", "density_kg_m3", "warnings"}
@@ -119,3 +120,10 @@ def test_case_files_are_complete(name: str) -> None:
             assert check.get("relative", 0.0) <= BETWEEN_PROGRAMS.get(name, 1e-3)
             if "absolute" in check and isinstance(check["reference"], float | int) and check["reference"]:
                 assert check["absolute"] <= 0.025 * abs(check["reference"])
+
+
+def test_an_argument_may_be_called_name() -> None:
+    """Only a table that holds nothing but `name` stands for an object of the package."""
+    arguments = {"name": "fin", "sections": [], "mirrored": False}
+    assert evaluated(arguments, {}) == arguments
+    assert evaluated({"name": "studies.case_calls.evaluated"}, {}) is evaluated
