@@ -42,7 +42,9 @@ def steps_between(values: Array) -> tuple[Array, Array]:
     >>> step.tolist(), clear.tolist()
     ([[1, 0]], [True])
     """
-    filled = np.where(np.isfinite(values), values, 1e30)
+    present = np.isfinite(values)
+    absent = 1e3 * np.abs(np.where(present, values, 0.0)).max(initial=1.0)  # far off, but not so far that sums forget
+    filled = np.where(present, values, absent)
     distance = np.abs(filled[:-1, :, None] - filled[1:, None, :])
     step = np.argmin(distance, axis=2)
     nearest = np.take_along_axis(distance, step[..., None], axis=2)[..., 0]
