@@ -364,7 +364,7 @@ def _depth(data: Any) -> int:
 
 
 def _with_data(model: FileModel, path: Path) -> FileModel:
-    """Name an unnamed model after its file; read the data file of kind `modal`."""
+    """Name an unnamed model after its file; find what lies beside it: data of kind `modal`, airfoils of `aircraft`."""
     if not model.name:
         stem = "".join(c for c in path.stem if c.isprintable())[:200]
         model = model.model_copy(update={"name": stem})
@@ -377,7 +377,23 @@ def _with_data(model: FileModel, path: Path) -> FileModel:
             model._arrays = read_modal_data(path.parent / model.modal.data)
         except ValueError as error:
             raise ModelFileError(f"{path}: modal.data: {error}") from None
+    if model.kind == "aircraft":
+        from aeroservo.aircraft.aircraft_schema import AircraftFile
+
+        assert isinstance(model, AircraftFile)
+        model = model.model_copy(update={"surface": tuple(_with_airfoils(s, path.parent) for s in model.surface)})
     return model
+
+
+def _with_airfoils(surface: Any, folder: Path) -> Any:
+    """The surface with the paths of airfoil files that lie in the folder of the model file."""
+    sections = [
+        s.model_copy(update={"airfoil": str(folder / s.airfoil)})
+        if Path(s.airfoil).suffix and (folder / s.airfoil).is_file()
+        else s
+        for s in surface.section
+    ]
+    return surface.model_copy(update={"section": tuple(sections)})
 
 
 def _preset(path: Path) -> Preset:

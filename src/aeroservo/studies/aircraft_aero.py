@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -25,7 +24,7 @@ _ALPHA = np.radians(np.arange(-10.0, 16.25, 0.5))
 
 
 def read_aircraft(name_or_path: str | os.PathLike[str]) -> AircraftFile:
-    """Read a model file of kind `aircraft`; its airfoil files are looked for beside it.
+    """Read a model file of kind `aircraft`, and no other.
 
     Parameters
     ----------
@@ -35,7 +34,7 @@ def read_aircraft(name_or_path: str | os.PathLike[str]) -> AircraftFile:
     Returns
     -------
     model : AircraftFile
-        With the paths of airfoil files as they can be opened.
+        As `aeroservo.read` gives it.
 
     Raises
     ------
@@ -48,15 +47,7 @@ def read_aircraft(name_or_path: str | os.PathLike[str]) -> AircraftFile:
             f"{model.name}: kind {model.kind!r} holds no wing sections, airfoils or controls; this needs a model of "
             "kind 'aircraft' (see aeroservo new thesis-uav FILE.toml)"
         )
-    folder = Path(name_or_path).parent
-    found = []
-    for surface in model.surface:
-        sections = [
-            s.model_copy(update={"airfoil": str(folder / s.airfoil)}) if _is_beside(folder, s.airfoil) else s
-            for s in surface.section
-        ]
-        found.append(surface.model_copy(update={"section": tuple(sections)}))
-    return model.model_copy(update={"surface": tuple(found)})
+    return model
 
 
 def aircraft_coefficients(model: AircraftFile, *, method: VortexLattice = PANELS) -> AeroCoefficients:
@@ -238,9 +229,3 @@ def _surface_polar(
         )  # fmt: skip
     except ValueError as error:
         raise ValueError(f"surface {surface.name!r}: {error}") from error
-
-
-def _is_beside(folder: Path, airfoil: str) -> bool:
-    """Whether an airfoil's name is a file beside the model file rather than where the program was started."""
-    path = Path(airfoil)
-    return bool(path.suffix) and not path.is_absolute() and (folder / path).is_file()

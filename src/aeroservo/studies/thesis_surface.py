@@ -1,4 +1,4 @@
-"""Damping of the whole aircraft over speed and altitude, and over speed and pitch stiffness: the thesis' Figs 29, 30."""
+"""Damping of the whole aircraft over speed and altitude, or over speed and pitch stiffness: thesis Figs 29 and 30."""
 
 from __future__ import annotations
 

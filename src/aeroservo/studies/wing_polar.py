@@ -220,6 +220,12 @@ def wing_sections(
             continue
         if len(names) > 1 or len(kinds) > 1:
             raise ValueError(f"surface {surface.name!r} mixes airfoils or kinds of control: give its polar yourself")
+        looks = {(c.hinge_from, c.hinge_to, c.reading) for c in surface.controls}
+        if looks - {(0.75, 0.75, "same_drop")}:
+            raise ValueError(
+                f"surface {surface.name!r}: the shipped polars are for a hinge at 0.75 of the chord and the same "
+                "trailing-edge drop: give its polar yourself (studies.aircraft_aero.surface_polars)"
+            )
         chosen.append(shipped_polar(names.pop(), kinds.pop()))
     grid, names_in = found.solution.lattice, found.derivatives.names
     gain = np.zeros((len(grid.strip_chord), len(names_in)))
