@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -301,3 +302,41 @@ class AircraftFile(FileModel):
             local = float(np.interp(s.y_m, y, chord))
             static = s.mass_kg_per_m * (s.cg_axis - s.flexural_axis) * local
             positive_definite(s.mass_kg_per_m, s.inertia_kg_m, static, f"structure.station at y_m = {s.y_m:g}", "kg^2")
+
+
+def with_airfoils(model: FileModel, folder: Path) -> FileModel:
+    """The aircraft with the paths of airfoil files that lie beside its own file, as they can be opened.
+
+    Parameters
+    ----------
+    model : FileModel
+        An `AircraftFile`.
+    folder : Path
+        Where its file lies.
+
+    Returns
+    -------
+    model : FileModel
+        The same with paths in place of bare names of files.
+
+    References
+    ----------
+    Project convention: contract.md, kind "aircraft".
+
+    Examples
+    --------
+    >>> from aeroservo.aircraft.files import read
+    >>> with_airfoils(read("thesis-uav"), Path(".")).name
+    'thesis-uav'
+    """
+    assert isinstance(model, AircraftFile)
+    found = []
+    for surface in model.surface:
+        sections = tuple(
+            s.model_copy(update={"airfoil": str(folder / s.airfoil)})
+            if Path(s.airfoil).suffix and (folder / s.airfoil).is_file()
+            else s
+            for s in surface.section
+        )
+        found.append(surface.model_copy(update={"section": sections}))
+    return model.model_copy(update={"surface": tuple(found)})

@@ -378,22 +378,11 @@ def _with_data(model: FileModel, path: Path) -> FileModel:
         except ValueError as error:
             raise ModelFileError(f"{path}: modal.data: {error}") from None
     if model.kind == "aircraft":
-        from aeroservo.aircraft.aircraft_schema import AircraftFile
+        from aeroservo.aircraft.aircraft_schema import with_airfoils
 
-        assert isinstance(model, AircraftFile)
-        model = model.model_copy(update={"surface": tuple(_with_airfoils(s, path.parent) for s in model.surface)})
+        model = with_airfoils(model, path.parent)
     return model
 
-
-def _with_airfoils(surface: Any, folder: Path) -> Any:
-    """The surface with the paths of airfoil files that lie in the folder of the model file."""
-    sections = [
-        s.model_copy(update={"airfoil": str(folder / s.airfoil)})
-        if Path(s.airfoil).suffix and (folder / s.airfoil).is_file()
-        else s
-        for s in surface.section
-    ]
-    return surface.model_copy(update={"section": tuple(sections)})
 
 
 def _preset(path: Path) -> Preset:
