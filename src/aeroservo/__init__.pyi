@@ -1,5 +1,13 @@
+from .aero.indicial import IndicialFunction as IndicialFunction
 from .aero.rational import RationalFit as RationalFit
 from .aero.rational import fit_rational as fit_rational
+from .aero.strip import Indicial as Indicial
+from .aero.strip import QuasiSteady as QuasiSteady
+from .aero.strip import Theodorsen as Theodorsen
+from .aero.strip import strip_aero as strip_aero
+from .aero.theodorsen import section_air as section_air
+from .aero.theodorsen import theodorsen_function as theodorsen_function
+from .aero.vlm import VortexLattice as VortexLattice
 from .aeroelastic.build import build as build
 from .aeroelastic.flutter import PK as PK
 from .aeroelastic.flutter import FlutterResult as FlutterResult
@@ -9,6 +17,9 @@ from .aeroelastic.flutter import K as K
 from .aeroelastic.flutter import P as P
 from .aeroelastic.flutter import flutter as flutter
 from .aeroelastic.linear import linear_system as linear_system
+from .aeroelastic.population import population_flutter as population_flutter
+from .aeroelastic.sensitivity import sensitivities as sensitivities
+from .aeroelastic.span_load import span_load as span_load
 from .aeroelastic.static import StaticResult as StaticResult
 from .aeroelastic.static import divergence as divergence
 from .aeroelastic.static import reversal as reversal
@@ -27,7 +38,14 @@ from .datatypes import RationalAero as RationalAero
 from .datatypes import SampledAero as SampledAero
 from .datatypes import Spring as Spring
 from .datatypes import StaticLoads as StaticLoads
+from .simulate.engine import simulate as simulate
+from .simulate.scenario import Scenario as Scenario
+from .structure.beam import SlenderBeam as SlenderBeam
+from .structure.beam import beam_modes as beam_modes
 from .structure.modal import NaturalModes as NaturalModes
 from .structure.modal import natural_modes as natural_modes
+from .studies.aircraft_aero import aircraft_coefficients as aircraft_coefficients
+from .studies.methods import compare_methods as compare_methods
+from .studies.surface import damping_surface as damping_surface
 
 __version__: str
