@@ -42,22 +42,43 @@ def steps_between(values: Array) -> tuple[Array, Array]:
     >>> step.tolist(), clear.tolist()
     ([[1, 0]], [True])
     """
-    present = np.isfinite(values)
-    absent = 1e3 * np.abs(np.where(present, values, 0.0)).max(initial=1.0)  # far off, but not so far that sums forget
-    filled = np.where(present, values, absent)
+    step, clear, sure = _nearest(values)
+    return _settled(values, step, sure), clear
+
+
+def _nearest(values: Array) -> tuple[Array, Array, Array]:
+    """Nearest root at the next speed, which cells are clear, and in which of them that is a permutation too."""
+    filled = _filled(values)
     distance = np.abs(filled[:-1, :, None] - filled[1:, None, :])
     step = np.argmin(distance, axis=2)
-    nearest = np.take_along_axis(distance, step[..., None], axis=2)[..., 0]
     if values.shape[1] == 1:
-        return step, np.ones(len(step), dtype=bool)
-    np.put_along_axis(distance, step[..., None], np.inf, axis=2)
+        return step, np.ones(len(step), dtype=bool), np.ones(len(step), dtype=bool)
+    flat, chosen = distance.reshape(-1, step.shape[1]), (np.arange(step.size), step.ravel())
+    nearest = flat[chosen].reshape(step.shape)
+    flat[chosen] = np.inf
     rival = distance.min(axis=2)
     swinging = np.abs(filled[:-1].imag) > OVERDAMPED * np.abs(filled[:-1])
     clear = ~np.any((nearest > RATIO * rival) & swinging, axis=1)
     one_to_one = np.all(np.sort(step, axis=1) == np.arange(step.shape[1]), axis=1)
-    for i in np.flatnonzero(~one_to_one | ~clear):
-        step[i] = _assignment(filled[i], filled[i + 1])
-    return step, clear
+    return step, clear, clear & one_to_one
+
+
+def _settled(values: Array, step: Array, sure: Array) -> Array:
+    """The matches, those that are not sure replaced by the assignment of least movement."""
+    doubtful = np.flatnonzero(~sure)
+    if doubtful.size:
+        filled = _filled(values)
+        for i in doubtful:
+            step[i] = _assignment(filled[i], filled[i + 1])
+    return step
+
+
+def _filled(values: Array) -> Array:
+    """Absent roots as numbers: far off, but not so far that sums forget the others."""
+    present = np.isfinite(values)
+    if present.all():
+        return values
+    return np.where(present, values, 1e3 * np.abs(np.where(present, values, 0.0)).max(initial=1.0))
 
 
 def _assignment(left: Array, right: Array) -> Array:
@@ -193,23 +214,23 @@ def resolved_mesh(
     >>> len(resolved_mesh(values_at, V, values_at(V))[0]) > 3
     True
     """
-    steps, clear = steps_between(values)
+    steps, clear, sure = _nearest(values)
     doubtful = ~clear
     depth = np.zeros(len(mesh) - 1, dtype=int)
     while True:
         cells = np.flatnonzero(doubtful & (depth < quarterings))
         if not cells.size:
-            return mesh, values, steps
+            return mesh, values, _settled(values, steps, sure)
         inside = (mesh[cells, None] + np.diff(mesh)[cells, None] * np.array([0.25, 0.5, 0.75])).ravel()
         depth[cells] += 1
         place = np.repeat(cells + 1, 3)
         mesh = np.insert(mesh, place, inside)
         values = np.insert(values, place, values_at(inside), axis=0)
-        depth, doubtful = (np.insert(x, place, np.repeat(x[cells], 3)) for x in (depth, doubtful))
+        depth, doubtful, sure = (np.insert(x, place, np.repeat(x[cells], 3)) for x in (depth, doubtful, sure))
         steps = np.insert(steps, place, 0, axis=0)
         parts = (cells + 3 * np.arange(cells.size))[:, None] + np.arange(4)
         parts = parts.ravel()
         pairs = np.empty((2 * parts.size, values.shape[1]), dtype=complex)
         pairs[0::2], pairs[1::2] = values[parts], values[parts + 1]
-        found, clear = steps_between(pairs)
-        steps[parts], doubtful[parts] = found[0::2], ~clear[0::2]
+        found, clear, certain = _nearest(pairs)
+        steps[parts], doubtful[parts], sure[parts] = found[0::2], ~clear[0::2], certain[0::2]
