@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "STANDARD_GRAVITY",
     "ALTITUDE_RANGE",
     "RHO_SEA_LEVEL",
     "Air",
@@ -34,7 +35,7 @@ ALTITUDE_RANGE = (-5_000.0, 80_000.0)
 
 # Defining constants, US Standard Atmosphere 1976, Tables 2 and 4 and section 1.
 _R_EARTH = 6_356_766.0  # effective radius of the Earth                 [m]
-_G0 = 9.80665  # standard gravity                              [m/s^2]
+STANDARD_GRAVITY = 9.80665  # of the standard, and of every weight in this package [m/s^2]
 _R_AIR = 8314.32 / 28.9644  # specific gas constant of dry air (R*/M0)      [J/(kg K)]
 _GAMMA = 1.4  # ratio of specific heats                       [-]
 _BETA, _SUTHERLAND = 1.458e-6, 110.4  # Sutherland's law   [kg/(m s sqrt(K))], [K]
@@ -132,7 +133,7 @@ def atmosphere(altitude: ArrayLike, *, geometric: bool = False) -> Air:
     u = lapse * above / T_base
     safe = np.where(u == 0.0, 1.0, u)
     integral = above / T_base * np.where(u == 0.0, 1.0, np.log1p(safe) / safe)
-    p = _LAYER_P[layer] * np.exp(-_G0 / _R_AIR * integral)
+    p = _LAYER_P[layer] * np.exp(-STANDARD_GRAVITY / _R_AIR * integral)
     return Air(T=T, p=p, rho=p / (_R_AIR * T), a_sound=np.sqrt(_GAMMA * _R_AIR * T), mu=dynamic_viscosity(T))
 
 
@@ -357,9 +358,9 @@ def _layer_bases() -> tuple[list[float], list[float]]:
     for lapse, bottom, top in zip(_LAPSE[:-1], _H[:-1], _H[1:], strict=True):
         rise = lapse * (top - bottom)
         if lapse:
-            p.append(p[-1] * (T[-1] / (T[-1] + rise)) ** (_G0 / (_R_AIR * lapse)))
+            p.append(p[-1] * (T[-1] / (T[-1] + rise)) ** (STANDARD_GRAVITY / (_R_AIR * lapse)))
         else:
-            p.append(p[-1] * math.exp(-_G0 * (top - bottom) / (_R_AIR * T[-1])))
+            p.append(p[-1] * math.exp(-STANDARD_GRAVITY * (top - bottom) / (_R_AIR * T[-1])))
         T.append(T[-1] + rise)
     return T, p
 

@@ -10,9 +10,6 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-GRAVITY = 9.80665
-"""Standard gravity. [m/s^2]"""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Actuator:

@@ -21,6 +21,7 @@ import numpy as np
 
 from aeroservo.aero.strip import Indicial, QuasiSteady, Strips, Theory, strip_aero, strip_shapes
 from aeroservo.aircraft.schema_beam import BeamWing
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, Array, ModalModel
 from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
 from aeroservo.structure.beam_axis import gauss_points
@@ -41,9 +42,6 @@ STATIC_DEGREE = 5
 TORSION_WAVES, BENDING_WAVES = 7.5, 6.0
 """Phase of static shapes along the span at which the search for divergence ends; first divergence is at 1.57 (unswept)
 and 1.85 (swept forward, no eccentricity), the next ones that no sweep merges away at 7.85. [rad]"""
-
-GRAVITY = 9.80665
-"""Standard gravity. [m/s^2]"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -321,7 +319,7 @@ def _weight(beam: SlenderBeam, modes: ModalModel, points: Array, width: Array) -
     force = m @ shapes.h[:n] + (m * beam.at("cg_offset", points[:n])) @ shapes.twist[:n]
     for j, lump in enumerate(beam.masses):
         force = force + lump.mass * (shapes.h[n + 1 + j] + lump.x * shapes.twist[n + 1 + j])
-    return np.asarray(GRAVITY * force)
+    return np.asarray(STANDARD_GRAVITY * force)
 
 
 def _finite_span_slope(model: BeamWing, beam: SlenderBeam) -> float:

@@ -25,12 +25,10 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import ArrayLike
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import Array
 from aeroservo.structure.beam_axis import SlenderBeam
 from aeroservo.structure.influence import influence_functions
-
-GRAVITY = 9.80665
-"""Standard gravity. [m/s^2]"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,7 +205,7 @@ def _twist_of_weight(beam: SlenderBeam, s: Array, points: int, weight: Array) ->
         where, aft = np.array([lump.y for lump in lumps]), np.array([lump.x for lump in lumps])
         G = np.hstack([G, np.stack([kernel(place, where, aft) for place in s])])
     mass = np.concatenate([beam.at("mass", s) * weight, [lump.mass for lump in lumps]])
-    return G, GRAVITY * mass
+    return G, STANDARD_GRAVITY * mass
 
 
 def _product_integration(beam: SlenderBeam, s: Array, points: int, kernel: Callable[[float, Array], Array]) -> Array:

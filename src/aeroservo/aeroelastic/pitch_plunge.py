@@ -7,8 +7,9 @@ import math
 from aeroservo.aero.derivatives_air import WingDerivatives, derivative_air
 from aeroservo.aircraft.schema_other import PitchPlungeFlap
 from aeroservo.aircraft.schema_other import Sensor as FileSensor
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, Spring
-from aeroservo.servo import GRAVITY, Actuator, Gravity, LiftCurve, Limit, Sensor
+from aeroservo.servo import Actuator, Gravity, LiftCurve, Limit, Sensor
 from aeroservo.structure.pitch_plunge import pitch_plunge
 
 
@@ -67,7 +68,7 @@ def pitch_plunge_model(file: PitchPlungeFlap) -> AeroelasticModel:
         control_moments=(m.S_hdelta, m.S_thetadelta),
     )
     aero, loads = derivative_air(wing_derivatives(file))
-    weight = GRAVITY * math.cos(m.theta_trim_rad)
+    weight = STANDARD_GRAVITY * math.cos(m.theta_trim_rad)
     return AeroelasticModel(
         modes=modes,
         aero=aero,

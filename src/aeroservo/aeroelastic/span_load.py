@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeroservo.aeroelastic.static import GRAVITY, divergence, elastic_stiffness
+from aeroservo.aeroelastic.static import divergence, elastic_stiffness
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, Array, FlightCondition
 
 
@@ -89,7 +90,7 @@ def span_load(model: AeroelasticModel, sweep: FlightCondition, *, load_factor: f
     if sweep.V.ndim != 1:
         raise ValueError(f"the sweep must be a row of speeds [m/s], got shape {sweep.V.shape}")
     index, K = elastic_stiffness(model)
-    q, wanted = sweep.q, load_factor * mass * GRAVITY
+    q, wanted = sweep.q, load_factor * mass * STANDARD_GRAVITY
     Q0 = model.aero(np.zeros(q.shape), sweep.mach).real[:, index]
     camber = model.column("camber")
     limit = divergence(model, sweep[0]).q

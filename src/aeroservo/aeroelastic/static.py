@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aeroservo.aeroelastic.static_speed import StaticSpeed, at_own_mach, lowest_pressure, within_limit
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
 from aeroservo.structure.modal import tip_motion
 
@@ -53,10 +54,6 @@ class StaticResult:
     trim_twist: Array
     lift_slope_ratio: Array
     warnings: tuple[str, ...]
-
-
-GRAVITY = 9.80665
-"""Standard gravity. [m/s^2]"""
 
 
 def divergence(model: AeroelasticModel, condition: FlightCondition) -> StaticSpeed:
@@ -328,7 +325,7 @@ class _Elastic:
         row, shape = self.model.loads.row("lift"), _twist_shape(self.model)
         sagging = self.sagging()
         steady = sagging @ row[self.index] + (self.load(row, built_in) if built_in is not None else 0.0)
-        incidence = (self.model.mass * GRAVITY / self.sweep.q - steady) / self.load(row, column)
+        incidence = (self.model.mass * STANDARD_GRAVITY / self.sweep.q - steady) / self.load(row, column)
         if shape is None:
             return incidence, None
         coordinates = incidence[:, None] * self.modes(column) + sagging

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeroservo.flight.rigid import STANDARD_GRAVITY, Airframe
+from aeroservo.atmosphere import STANDARD_GRAVITY
+from aeroservo.flight.rigid import Airframe
 
 __all__ = [
     "LateralDerivatives",

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.flight.derivatives import StabilityDerivatives, _check_flight
-from aeroservo.flight.rigid import STANDARD_GRAVITY, Airframe
+from aeroservo.flight.rigid import Airframe
 from aeroservo.flight.trim import LongitudinalCoefficients, TrimState
 
 __all__ = ["LiftDragAero", "StabilityAxisAero"]

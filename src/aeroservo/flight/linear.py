@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import LinearSystem
 from aeroservo.flight.derivatives import LateralDerivatives, LongitudinalDerivatives
-from aeroservo.flight.rigid import STANDARD_GRAVITY, Airframe
+from aeroservo.flight.rigid import Airframe
 
 __all__ = ["lateral_model", "longitudinal_model", "pitch_model", "pitch_rate_transfer"]
 

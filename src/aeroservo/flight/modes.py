@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import frozen
 from aeroservo.flight.derivatives import longitudinal_derivatives
 from aeroservo.flight.linear import longitudinal_model
-from aeroservo.flight.rigid import STANDARD_GRAVITY, Airframe
+from aeroservo.flight.rigid import Airframe
 from aeroservo.flight.trim import (
     LongitudinalCoefficients,
     about_centre_of_gravity,

@@ -16,6 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
+
 __all__ = [
     "Aerodynamics",
     "Airframe",
@@ -27,8 +29,6 @@ __all__ = [
 ]
 
 Array = NDArray[Any]
-
-STANDARD_GRAVITY = 9.80665  # [m/s^2]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import frozen
 from aeroservo.flight.derivatives import StabilityDerivatives
-from aeroservo.flight.rigid import STANDARD_GRAVITY, Airframe
+from aeroservo.flight.rigid import Airframe
 
 __all__ = [
     "LongitudinalCoefficients",
