@@ -23,9 +23,9 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 import aeroservo as av
+from aeroservo.control.controller import Controller
 from aeroservo.datatypes import AeroelasticModel, FlightCondition
 from aeroservo.servo import Actuator, Sensor
-from aeroservo.simulate.controller import ControllerFile
 from aeroservo.simulate.disturbances import Gustiness
 from aeroservo.simulate.engine import linearised, run_prepared, simulate
 from aeroservo.simulate.montecarlo import Variant, ensemble, local_pool
@@ -54,9 +54,9 @@ def plant() -> AeroelasticModel:
     return replace(model, sensors=tuple(sensors), actuators=(servo,))
 
 
-def controller() -> ControllerFile:
+def controller() -> Controller:
     """Filtered feedback of five noisy sensors at 200 Hz."""
-    return ControllerFile(
+    return Controller(
         A=np.diag([0.8, 0.7, 0.6]),
         B=0.1 * np.array([[1.0, 0, 0, 0, 0], [0, 1.0, 0, 0, 0.2], [0, 0, 1.0, 1.0, 0]]),
         C=[[0.05, 0.1, 0.1]],

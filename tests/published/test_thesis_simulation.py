@@ -13,9 +13,9 @@ import pytest
 
 import aeroservo as av
 from aeroservo.aircraft.schema_other import StateSpaceFile
+from aeroservo.control.controller import state_feedback
 from aeroservo.datatypes import FlightCondition, LinearSystem
 from aeroservo.servo import Actuator
-from aeroservo.simulate.controller import state_feedback
 from aeroservo.simulate.engine import Simulation, linearised, simulate
 from aeroservo.simulate.profiles import level
 from aeroservo.simulate.scenario import Scenario

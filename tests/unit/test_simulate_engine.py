@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import aeroservo as av
+from aeroservo.control.controller import Controller, state_feedback
 from aeroservo.datatypes import AeroelasticModel, AeroInput, FlightCondition, ModalModel, RationalAero, Spring
 from aeroservo.gust.intensity import constant_turbulence
 from aeroservo.gust.response import rms_response
@@ -18,7 +19,6 @@ from aeroservo.gust.turbulence import shaping_filter
 from aeroservo.servo import Actuator
 from aeroservo.simulate import _kernels
 from aeroservo.simulate.assemble import stepper
-from aeroservo.simulate.controller import ControllerFile, state_feedback
 from aeroservo.simulate.disturbances import CosineGust, Doublet, Gustiness, SharpGust
 from aeroservo.simulate.engine import Simulation, linearised, simulate
 from aeroservo.simulate.prepare import prepare
@@ -101,7 +101,7 @@ def test_accelerometers_feel_the_rate_of_a_smooth_gust() -> None:
     assert np.abs(slope - felt[2:-2])[away].max() < 1e-6 * np.abs(felt).max()
 
 
-def limited() -> tuple[AeroelasticModel, ControllerFile, np.ndarray]:
+def limited() -> tuple[AeroelasticModel, Controller, np.ndarray]:
     """The thesis' model with a rate- and position-limited actuator and continuous state feedback."""
     servo = Actuator(control="elevon", omega=120.0, zeta=1.0, limit=np.radians(1.5), rate_limit=np.radians(40.0))
     K = np.array([[-6.783, -1.69, -0.573, -0.916]])
@@ -313,7 +313,7 @@ def test_rms_in_turbulence_is_lyapunovs() -> None:
 
 
 def sampled_reference(
-    plant: AeroelasticModel, c: ControllerFile, V: float, duration: float, dt: float, delay: int
+    plant: AeroelasticModel, c: Controller, V: float, duration: float, dt: float, delay: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """The sampled loop written out on the base grid, exact between commands."""
     system = av.linear_system(plant, FlightCondition.at(0.0, V=V))
@@ -341,7 +341,7 @@ def sampled_reference(
 def test_sampled_controller_with_delay_quantiser_and_limit() -> None:
     """A dynamic 200 Hz controller, 3 ms of computing, quantised sensors: equal to the loop written out."""
     rng = np.random.default_rng(5)
-    c = ControllerFile(
+    c = Controller(
         A=np.diag([0.5, -0.3]),
         B=0.2 * rng.standard_normal((2, 4)),
         C=rng.standard_normal((1, 2)),
@@ -375,7 +375,7 @@ def test_sensor_delay_and_dead_time() -> None:
     def run(sensor: float, computing: float, dead: float) -> np.ndarray:
         gyro = Sensor(name="gyro", unit="rad_s", rate=(0.0, 1.0), delay_s=sensor)
         servo = Actuator(control="elevon", omega=200.0, zeta=0.7, delay_s=dead)
-        c = ControllerFile(
+        c = Controller(
             A=[], B=[], C=[], D=[[0.3]], inputs=("gyro",), outputs=("elevon_command_rad",), dt_s=0.01, delay_s=computing
         )
         start = (("pitch_rate_rad_s", 0.5),)
@@ -512,7 +512,7 @@ def test_pieces_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     from aeroservo.simulate import engine
 
     gyro = Sensor(name="gyro", unit="rad_s", rate=(0.0, 1.0), noise=1e-3, delay_s=0.002)
-    c = ControllerFile(
+    c = Controller(
         A=[[0.9]], B=[[1.0]], C=[[0.01]], D=[[0.05]], inputs=("gyro",), outputs=("elevon_command_rad",),
         dt_s=0.005, delay_s=0.002,
     )  # fmt: skip

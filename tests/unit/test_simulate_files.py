@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
+from aeroservo.control.controller import controller_of, read_controller
 from aeroservo.datatypes import LinearSystem
-from aeroservo.simulate.controller import controller_of, read_controller
 from aeroservo.simulate.disturbances import CosineGust, Gustiness, SharpGust, parse_gust
 from aeroservo.simulate.history import Event, TimeHistory, even, read_history, unit_of, write_history
 from aeroservo.simulate.identify import envelope_growth, era, limit_cycle, log_decrement, pencil_growth

@@ -118,7 +118,7 @@ def simulate(
         For bad input.
     """
     from aeroservo.aircraft.files import read
-    from aeroservo.simulate.controller import read_controller
+    from aeroservo.control.controller import read_controller
     from aeroservo.simulate.disturbances import parse_gust
     from aeroservo.simulate.engine import Scenario
     from aeroservo.simulate.engine import simulate as run

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from aeroservo.control.controller import Controller
 from aeroservo.datatypes import AeroelasticModel, Array, LinearSystem
 from aeroservo.simulate._kernels import CLIP, PLAY
 from aeroservo.simulate.assemble import Stepper, linear_stepper, stepper
-from aeroservo.simulate.controller import ControllerFile
 from aeroservo.simulate.profiles import Profile
 from aeroservo.simulate.scenario import Prepared, Scenario, Stepping, start_state
 from aeroservo.simulate.state import RunState
@@ -121,14 +121,14 @@ def check_names(s: Stepper, scenario: Scenario) -> None:
     start_state(s, scenario)
 
 
-def base_grid(s: Stepper, controller: ControllerFile | None, stepping: Stepping) -> tuple[float, int, int, list[str]]:
+def base_grid(s: Stepper, controller: Controller | None, stepping: Stepping) -> tuple[float, int, int, list[str]]:
     """Base step, steps in a controller's sample and in its delay, and what had to be rounded.
 
     Parameters
     ----------
     s : Stepper
         Its dead times.
-    controller : ControllerFile, optional
+    controller : Controller, optional
         Its sample and computing delay.
     stepping : Stepping
         The step asked for.

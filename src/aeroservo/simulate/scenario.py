@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from aeroservo.control.controller import Controller
 from aeroservo.datatypes import Array
 from aeroservo.simulate.assemble import Stepper
-from aeroservo.simulate.controller import ControllerFile
 from aeroservo.simulate.disturbances import CosineGust, Doublet, Gustiness, SharpGust
 from aeroservo.simulate.profiles import Profile
 
@@ -62,7 +62,7 @@ class Scenario:
         Airspeed and altitude.
     duration : float
         Length of the run. [s]
-    controller : ControllerFile, optional
+    controller : Controller, optional
         Closes the loop.
     gusts : tuple of SharpGust or CosineGust
         Discrete gusts.
@@ -76,7 +76,7 @@ class Scenario:
 
     profile: Profile
     duration: float
-    controller: ControllerFile | None = None
+    controller: Controller | None = None
     gusts: tuple[SharpGust | CosineGust, ...] = ()
     doublets: tuple[Doublet, ...] = ()
     turbulence: Gustiness | None = None

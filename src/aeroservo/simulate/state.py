@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from aeroservo.control.controller import Controller
 from aeroservo.datatypes import Array, LinearSystem
 from aeroservo.simulate import _kernels
-from aeroservo.simulate.controller import ControllerFile
 from aeroservo.simulate.disturbances import CosineGust, SharpGust
 from aeroservo.simulate.scenario import Prepared, start_state
 
@@ -54,7 +54,7 @@ class RunState:
         where = [] if isinstance(model, LinearSystem) else [model.modes.names.index(name) for name in limits]
         self.limit_rows, self.limit_values = np.array(where, dtype=np.int64), np.array([*limits.values()], dtype=float)
 
-    def _controller(self, c: ControllerFile) -> None:
+    def _controller(self, c: Controller) -> None:
         """Matrices, rows, delays and noise of a sampled controller."""
         s, dt = self.p.stepper, self.p.dt
         model = s.model

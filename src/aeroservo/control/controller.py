@@ -18,7 +18,7 @@ LARGEST = 10_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ControllerFile:
+class Controller:
     """x[k+1] = A x[k] + B y[k], u[k] = C x[k] + D y[k]; u is added to the plant's inputs.
 
     Attributes
@@ -100,7 +100,7 @@ class ControllerFile:
         return np.stack([left.astype(float), weight], axis=1)
 
 
-def controller_of(system: LinearSystem) -> ControllerFile:
+def controller_of(system: LinearSystem) -> Controller:
     """A linear system as a controller; its input delay becomes the computing delay.
 
     Parameters
@@ -110,7 +110,7 @@ def controller_of(system: LinearSystem) -> ControllerFile:
 
     Returns
     -------
-    controller : ControllerFile
+    controller : Controller
         The same matrices. [SI]
 
     Raises
@@ -120,7 +120,7 @@ def controller_of(system: LinearSystem) -> ControllerFile:
     """
     if system.A.ndim != 2:
         raise ValueError(f"one controller is wanted, got a batch of shape {system.A.shape[:-2]}")
-    return ControllerFile(
+    return Controller(
         A=system.A,
         B=system.B,
         C=system.C,
@@ -132,7 +132,7 @@ def controller_of(system: LinearSystem) -> ControllerFile:
     )
 
 
-def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], dt_s: float | None) -> ControllerFile:
+def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], dt_s: float | None) -> Controller:
     """u = -K y, sampled or continuous.
 
     Parameters
@@ -146,16 +146,16 @@ def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], 
 
     Returns
     -------
-    controller : ControllerFile
+    controller : Controller
         With D = -K. [SI]
     """
-    return ControllerFile(
+    return Controller(
         A=np.zeros((0, 0)), B=np.zeros((0, 0)), C=np.zeros((0, 0)), D=-np.atleast_2d(K), inputs=inputs,
         outputs=outputs, dt_s=dt_s,
     )  # fmt: skip
 
 
-def read_controller(path: str | Path) -> ControllerFile:
+def read_controller(path: str | Path) -> Controller:
     """A controller from its JSON file.
 
     Parameters
@@ -165,7 +165,7 @@ def read_controller(path: str | Path) -> ControllerFile:
 
     Returns
     -------
-    controller : ControllerFile
+    controller : Controller
         Checked. [SI]
 
     Raises
@@ -198,7 +198,7 @@ def _no_constant(word: str) -> float:
     raise ValueError(f"{word} is not a number of JSON")
 
 
-def _parsed(data: Any) -> ControllerFile:
+def _parsed(data: Any) -> Controller:
     """A controller from what JSON gives."""
     if not isinstance(data, dict):
         raise ValueError("must be one JSON object")
@@ -233,7 +233,7 @@ def _parsed(data: Any) -> ControllerFile:
                 raise ValueError(f"{key} must be {shapes[key][0]} x {shapes[key][1]}, got shape {value.shape}")
         matrices[key] = np.stack([value.reshape(shapes[key]) for value in stack])
     dt = data.get("dt_s")
-    return ControllerFile(
+    return Controller(
         **matrices,
         inputs=names["inputs"],
         outputs=names["outputs"],

@@ -1,0 +1,1 @@
+"""Controllers as data, and their design: synthesis, margins, schedules, adaptation, export."""
