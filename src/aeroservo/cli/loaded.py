@@ -156,8 +156,14 @@ def tell(notes: Iterable[str]) -> None:
     notes : iterable of str
         One sentence each.
     """
+    assumed = 0
     for note in notes:
-        complain(f"warning: {note}")
+        if note.startswith("assumed: "):
+            assumed += 1
+        else:
+            complain(f"warning: {note}")
+    if assumed:
+        complain(f"the model rests on {assumed} stated assumption{'s' * (assumed > 1)}: `aeroservo check` lists them")
 
 
 def altitude_of(altitude: float | None, density: float | None) -> float | None:
