@@ -1,4 +1,9 @@
-"""Controllers as data: the JSON file of the contract, sampled or continuous, with or without a schedule."""
+"""Controllers as data: the JSON file of the contract, sampled or continuous, with or without a schedule.
+
+A continuous controller holds no delay, limits or schedule, and is refused with the reason if given any: between
+samples there is no moment at which a command could be delayed, clipped or blended as a computer does it, and a
+computer is what flies it. Give it a sample time.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from aeroservo.datatypes import Array, LinearSystem, frozen
 
@@ -75,8 +81,8 @@ class Controller:
             raise ValueError(f"delay_s must not be negative [s], got {self.delay_s}")
         if self.dt_s is None and (self.delay_s or points > 1 or any(self.limits)):
             raise ValueError(
-                "a continuous controller (dt_s null) cannot have delay_s, limits or a schedule here: "
-                "give it a sample time"
+                "a continuous controller (dt_s null) cannot have delay_s, limits or a schedule: they belong to the "
+                "computer that samples it; give it a sample time (dt_s)"
             )
 
     @property
@@ -117,6 +123,17 @@ def controller_of(system: LinearSystem) -> Controller:
     ------
     ValueError
         If it is a batch, or continuous with a delay.
+
+    References
+    ----------
+    contract.md, "Controller file (JSON)".
+
+    Examples
+    --------
+    >>> names = {"states": (), "inputs": ("gyro_rad_s",), "outputs": ("elevon_rad",)}
+    >>> empty = {"A": np.zeros((0, 0)), "B": np.zeros((0, 1)), "C": np.zeros((1, 0)), "D": [[0.3]]}
+    >>> controller_of(LinearSystem(**empty, **names, dt=0.005)).D.tolist()
+    [[[0.3]]]
     """
     if system.A.ndim != 2:
         raise ValueError(f"one controller is wanted, got a batch of shape {system.A.shape[:-2]}")
@@ -132,12 +149,12 @@ def controller_of(system: LinearSystem) -> Controller:
     )
 
 
-def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], dt_s: float | None) -> Controller:
+def state_feedback(K: ArrayLike, inputs: tuple[str, ...], outputs: tuple[str, ...], dt_s: float | None) -> Controller:
     """u = -K y, sampled or continuous.
 
     Parameters
     ----------
-    K : ndarray, shape (n_out, n_in)
+    K : array_like, shape (n_out, n_in)
         Gains. [SI]
     inputs, outputs : tuple of str
         Channels read, commands driven.
@@ -148,9 +165,26 @@ def state_feedback(K: Array, inputs: tuple[str, ...], outputs: tuple[str, ...], 
     -------
     controller : Controller
         With D = -K. [SI]
+
+    Raises
+    ------
+    ValueError
+        If K does not fit the channels, or the sample time is not positive.
+
+    References
+    ----------
+    equations.md, "Control" (u = -K x throughout).
+
+    Examples
+    --------
+    >>> state_feedback([[2.0, 0.5]], ("pitch_rad", "pitch_rate_rad_s"), ("elevon_rad",), None).D.tolist()
+    [[[-2.0, -0.5]]]
     """
+    K = np.atleast_2d(np.asarray(K, dtype=float))
+    if K.shape != (len(outputs), len(inputs)):
+        raise ValueError(f"K must have shape {(len(outputs), len(inputs))}, got {K.shape}")
     return Controller(
-        A=np.zeros((0, 0)), B=np.zeros((0, 0)), C=np.zeros((0, 0)), D=-np.atleast_2d(K), inputs=inputs,
+        A=np.zeros((0, 0)), B=np.zeros((0, 0)), C=np.zeros((0, 0)), D=-K, inputs=inputs,
         outputs=outputs, dt_s=dt_s,
     )  # fmt: skip
 
@@ -176,6 +210,15 @@ def read_controller(path: str | Path) -> Controller:
     References
     ----------
     contract.md, "Controller file (JSON)".
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> gain = state_feedback([[0.3]], ("gyro_rad_s",), ("elevon_rad",), 0.005)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_controller(Path(folder) / "gain.json", gain)
+    ...     read_controller(Path(folder) / "gain.json").dt_s
+    0.005
     """
     path = Path(path)
     try:
@@ -192,6 +235,87 @@ def read_controller(path: str | Path) -> Controller:
         return _parsed(data)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
+
+
+def write_controller(path: str | Path, controller: Controller | LinearSystem) -> None:
+    """Write a controller to its JSON file, whole or not at all; `read_controller` reads the same numbers back.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where to; an existing file is replaced.
+    controller : Controller or LinearSystem
+        One controller, or a schedule. [SI]
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be written, or a linear system is no controller (see `controller_of`).
+
+    References
+    ----------
+    contract.md, "Controller file (JSON)".
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> gain = state_feedback([[0.3]], ("gyro_rad_s",), ("elevon_rad",), 0.005)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "gain.json"
+    ...     write_controller(path, gain)
+    ...     json.loads(path.read_text())["D"]
+    [[-0.3]]
+    """
+    from aeroservo.aircraft.files import write_whole
+
+    content = controller_content(controller)
+    try:
+        write_whole(Path(path), (json.dumps(content, allow_nan=False, indent=1) + "\n").encode())
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def controller_content(controller: Controller | LinearSystem) -> dict[str, Any]:
+    """What a controller file holds, as lists and numbers for JSON.
+
+    Parameters
+    ----------
+    controller : Controller or LinearSystem
+        One controller, or a schedule. [SI]
+
+    Returns
+    -------
+    content : dict
+        Keys of the contract; `points` where there is a schedule.
+
+    Raises
+    ------
+    ValueError
+        If a linear system is no controller (see `controller_of`).
+
+    References
+    ----------
+    contract.md, "Controller file (JSON)".
+
+    Examples
+    --------
+    >>> controller_content(state_feedback([[0.3]], ("gyro_rad_s",), ("elevon_rad",), None))["dt_s"] is None
+    True
+    """
+    c = controller_of(controller) if isinstance(controller, LinearSystem) else controller
+    head: dict[str, Any] = {
+        "schema_version": 1,
+        "inputs": list(c.inputs),
+        "outputs": list(c.outputs),
+        "dt_s": c.dt_s,
+        "delay_s": c.delay_s,
+        "limits": {name: limit for name, limit in zip(c.outputs, c.limits) if limit},
+    }
+    points = [{name: getattr(c, name)[i].tolist() for name in "ABCD"} for i in range(len(c.pressures))]
+    if len(points) == 1:
+        return head | points[0]
+    pressures = [{"dynamic_pressure_Pa": float(q)} for q in c.pressures]
+    return head | {"interpolation": "linear", "points": [q | point for q, point in zip(pressures, points)]}
 
 
 def _no_constant(word: str) -> float:
