@@ -162,9 +162,12 @@ def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def control(
-    matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, xc, new, command
+    matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command
 ):  # pragma: no cover - compiled
-    """One sample of the controller: measured values -> command; matrices are blended between two points."""
+    """One sample of the controller: measured values -> command within its limits; matrices are blended between points.
+
+    Columns of `matrices` are states, measurements and what the limits cut off each command (for the states alone).
+    """
     n_c, n_in, n_out = sizes
     point, weight = int(weights[at, 0]), weights[at, 1]
     low, high = matrices[point], matrices[min(point + 1, matrices.shape[0] - 1)]
@@ -181,9 +184,12 @@ def control(
         for i in range(n_c + n_in):
             total += (low[n_c + r, i] + weight * (high[n_c + r, i] - low[n_c + r, i])) * new[i]
         command[r] = total
+        if limits[r] > 0.0:
+            command[r] = min(max(total, -limits[r]), limits[r])
+        new[n_c + n_in + r] = command[r] - total
     for r in range(n_c):
         total = 0.0
-        for i in range(n_c + n_in):
+        for i in range(n_c + n_in + n_out):
             total += (low[r, i] + weight * (high[r, i] - low[r, i])) * new[i]
         xc[r] = total
 
@@ -299,12 +305,9 @@ def run(
             if now % period == 0:
                 sample = now // period - first_sample
                 control(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
-                        xc, work, command)  # fmt: skip
+                        ctrl_limits, xc, work, command)  # fmt: skip
                 for r in range(ctrl_map.shape[0]):
-                    c = command[r]
-                    if ctrl_limits[r] > 0.0:
-                        c = min(max(c, -ctrl_limits[r]), ctrl_limits[r])
-                    latest[r] = c
+                    latest[r] = command[r]
             for r in range(ctrl_map.shape[0]):
                 queue[now % queue.shape[0], r] = latest[r]
         for j in range(n_u):

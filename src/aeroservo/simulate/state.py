@@ -37,7 +37,7 @@ class RunState:
         n_in, n_out = (len(c.inputs), len(c.outputs)) if c is not None and sampled else (0, 0)
         n_c = c.A.shape[-1] if c is not None and sampled else 0
         self.ctrl_sizes = (n_c, n_in, n_out)
-        self.ctrl = np.zeros((1, n_c + n_out, n_c + n_in))
+        self.ctrl = np.zeros((1, n_c + n_out, n_c + n_in + n_out))
         self.rows, self.delays = np.zeros(n_in, np.int64), np.zeros(n_in, np.int64)
         self.noise, self.quanta = np.zeros(n_in), np.zeros(n_in)
         self.limits, self.map = np.zeros(n_out), np.zeros(n_out, np.int64)
@@ -79,9 +79,12 @@ class RunState:
                 )
             self.map[i] = s.commands.index(targets[0])
         self.limits = np.array(c.limits)
-        self.ctrl = np.ascontiguousarray(
-            np.concatenate([np.concatenate([c.A, c.B], axis=2), np.concatenate([c.C, c.D], axis=2)], axis=1)
-        )
+        n_c, _, n_out = self.ctrl_sizes
+        windup = getattr(c, "windup", None)
+        windup = np.zeros((len(c.pressures), n_c, n_out)) if windup is None else windup
+        above = np.concatenate([c.A, c.B, windup], axis=2)
+        below = np.concatenate([c.C, c.D, np.zeros((len(c.pressures), n_out, n_out))], axis=2)
+        self.ctrl = np.ascontiguousarray(np.concatenate([above, below], axis=1))
 
     def advance(
         self, start: int, n: int, every: int, record: Array, trace: Array, *, substeps: int | None = None
