@@ -3,6 +3,7 @@
 #   make demo    install, run `aeroservo demo`, say which file to open
 #   make test    lint, types, import contracts, then all tests with coverage
 #   make lint    the checks that need no test run
+#   make docs    the documentation site, into site/
 #   make bench   benchmarks: our time against a peer's, measured in one run
 #   make clean   remove the environment and everything generated
 #
@@ -22,7 +23,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --no-input
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help demo test lint ruff types imports bench clean
+.PHONY: help demo test lint ruff types imports docs bench clean
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
 
@@ -44,11 +45,14 @@ types: $(VENV)/.installed-test
 imports: $(VENV)/.installed-test
 	$(BIN)/lint-imports
 
+docs: $(VENV)/.installed-test
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet && echo "open site/index.html"
+
 bench: $(VENV)/.installed-test
 	$(BIN)/python -m benchmarks $(ARGS)
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .coverage .coverage.*
+	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .coverage .coverage.*
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The stamps: nothing is reinstalled until pyproject.toml changes. The install is editable, so code changes need none.
