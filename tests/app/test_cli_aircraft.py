@@ -76,3 +76,23 @@ def test_a_sweep_over_the_stiffness(cli: Cli, tmp_path: Path) -> None:
     speeds = [point["flutter_speed_m_s"] for point in answer.json["points"]]
     assert len(speeds) == 3
     assert speeds[0] < speeds[1] < speeds[2]
+
+
+def test_pitch_plunge_model_of_an_aircraft(cli: Cli, tmp_path: Path) -> None:
+    """`new thesis-uav FILE --as pitch_plunge_flap`: every number with its source; it runs; bad words are told."""
+    file = tmp_path / "pp.toml"
+    assert cli("new", "thesis-uav", file, "--as", "pitch_plunge_flap", "--pitch-axis", 0.374).code == 0
+    text = file.read_text()
+    assert "CL_alpha = 3.63868" in text and "# vortex lattice, 768 panels" in text and "x = 0.374 m (given)" in text
+    answer = cli("static", file, "--json", "--altitude", 3048).json
+    assert answer["divergence_speed_m_s"] == pytest.approx(119.6, abs=0.5)
+    assert answer["reversal_speed_m_s"] == pytest.approx(35.9, abs=0.05)
+    assert cli("simulate", file, "--speed", 15, "--duration", 1, "--json").json["bounded"]
+    for words, message in (
+        (("thesis-uav", file, "--as", "pitch_plunge_flap"), "exists already"),
+        (("thesis-uav", tmp_path / "b.toml", "--as", "beam_wing"), "must be pitch_plunge_flap"),
+        (("bact", tmp_path / "b.toml", "--as", "pitch_plunge_flap"), "holds no wing sections"),
+        (("bact", tmp_path / "b.toml", "--pitch-axis", 0.3), "goes with --as"),
+    ):
+        answer = cli("new", *words)
+        assert answer.code == 2 and message in answer.err

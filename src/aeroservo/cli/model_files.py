@@ -31,23 +31,54 @@ def list_presets(*, as_json: Json = False) -> None:
 
 def new_file(
     preset: Annotated[
-        str, typer.Argument(metavar="PRESET", help="Name of a preset, or an AVL geometry file (.avl) to convert.")
+        str,
+        typer.Argument(
+            metavar="PRESET", help="Name of a preset, or an AVL geometry file (.avl) to convert; with --as also a file."
+        ),
     ],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Model file to write (TOML).")],
     *,
+    kind: Annotated[
+        str | None,
+        typer.Option("--as", metavar="pitch_plunge_flap", help="The rigid wing on two springs of an aircraft file."),
+    ] = None,
+    pitch_axis: Annotated[
+        float | None,
+        typer.Option("--pitch-axis", metavar="X_M", help="With --as: pitch axis aft (default the flexural axis)."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Copy a preset to a file, or convert an AVL geometry file.
+    """Copy a preset to a file, convert an AVL geometry file, or derive a pitch-plunge model from an aircraft.
 
     Parameters
     ----------
     preset : str
-        Name of a preset, or path of an AVL file.
+        Name of a preset, or path of an AVL file; with `kind` of any model of kind `aircraft`.
     file : Path
         Where to.
+    kind : str, optional
+        Kind of model to derive: pitch_plunge_flap.
+    pitch_axis : float, optional
+        Of the derived model, aft of the file's origin. [m]
     force : bool
         Replace an existing file.
+
+    Raises
+    ------
+    ValueError
+        For bad input.
     """
+    if kind is not None:
+        from aeroservo.aeroelastic.pitch_plunge_aircraft import new_pitch_plunge
+        from aeroservo.studies.aircraft_aero import read_aircraft
+
+        if kind != "pitch_plunge_flap":
+            raise ValueError(f"--as must be pitch_plunge_flap, got {kind[:40]!r}")
+        path = new_pitch_plunge(read_aircraft(preset), file, pitch_axis=pitch_axis, force=force)
+        complain(f"wrote {path}, every number with its source; next: aeroservo simulate {path} --speed 15")
+        return
+    if pitch_axis is not None:
+        raise ValueError("--pitch-axis goes with --as pitch_plunge_flap")
     if preset.lower().endswith(".avl"):
         from aeroservo.aircraft.avl_files import new_from_avl
 
