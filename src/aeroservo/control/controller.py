@@ -25,7 +25,7 @@ LARGEST = 10_000_000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Controller:
-    """x[k+1] = A x[k] + B y[k], u[k] = C x[k] + D y[k]; u is added to the plant's inputs.
+    """x[k+1] = A x[k] + B y[k] + windup (clip(u[k]) - u[k]), u[k] = C x[k] + D y[k]; clip(u) is added to the inputs.
 
     Attributes
     ----------
@@ -41,6 +41,9 @@ class Controller:
         Largest magnitude of each output, 0 for none. [unit of the output]
     pressures : ndarray, shape (p,)
         Dynamic pressure of each point, ascending; held beyond the ends. [Pa]
+    windup : ndarray, shape (p, n_c, n_out)
+        What the states hear of a clipped command, so that integrals stop and observers know what was done; default
+        zero. [SI]
     """
 
     A: Array
@@ -53,6 +56,7 @@ class Controller:
     delay_s: float = 0.0
     limits: tuple[float, ...] = ()
     pressures: Array = None  # type: ignore[assignment]
+    windup: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         """Lock the arrays and check shapes, sample time, delay and schedule."""
@@ -60,8 +64,9 @@ class Controller:
         n_c = np.shape(self.A)[-1] if np.size(self.A) else 0
         points = 1 if self.pressures is None else len(self.pressures)
         shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in)}
-        for name, shape in shapes.items():
-            value = np.asarray(getattr(self, name), dtype=float)
+        for name, shape in (shapes | {"windup": (n_c, n_out)}).items():
+            given = getattr(self, name)
+            value = np.asarray(() if name == "windup" and given is None else given, dtype=float)
             if value.size == 0:
                 value = np.zeros((points, *shape))
             array = frozen(value.reshape(1, *value.shape) if value.ndim == 2 else value, ndim=3, name=name)
@@ -79,9 +84,9 @@ class Controller:
             raise ValueError(f"dt_s must be positive [s] or null, got {self.dt_s}")
         if not 0.0 <= self.delay_s < math.inf:
             raise ValueError(f"delay_s must not be negative [s], got {self.delay_s}")
-        if self.dt_s is None and (self.delay_s or points > 1 or any(self.limits)):
+        if self.dt_s is None and (self.delay_s or points > 1 or any(self.limits) or np.any(self.windup)):
             raise ValueError(
-                "a continuous controller (dt_s null) cannot have delay_s, limits or a schedule: they belong to the "
+                "a continuous controller (dt_s null) cannot have delay_s, limits, windup or a schedule: they belong to the "
                 "computer that samples it; give it a sample time (dt_s)"
             )
 
@@ -311,7 +316,8 @@ def controller_content(controller: Controller | LinearSystem) -> dict[str, Any]:
         "delay_s": c.delay_s,
         "limits": {name: limit for name, limit in zip(c.outputs, c.limits) if limit},
     }
-    points = [{name: getattr(c, name)[i].tolist() for name in "ABCD"} for i in range(len(c.pressures))]
+    kept = [*"ABCD", *(["windup"] if np.any(c.windup) else [])]
+    points = [{name: getattr(c, name)[i].tolist() for name in kept} for i in range(len(c.pressures))]
     if len(points) == 1:
         return head | points[0]
     pressures = [{"dynamic_pressure_Pa": float(q)} for q in c.pressures]
@@ -347,9 +353,10 @@ def _parsed(data: Any) -> Controller:
         if data.get("interpolation", "linear") != "linear":
             raise ValueError(f"interpolation must be 'linear', got {data['interpolation']!r:.40}")
     n_in, n_out = len(names["inputs"]), len(names["outputs"])
-    stacks = {key: [_matrix(p, key) for p in points] for key in "ABCD"}
+    told = [*"ABCD", *(["windup"] if any("windup" in p for p in points) else [])]
+    stacks = {key: [_matrix(p, key) for p in points] for key in told}
     n_c = len(stacks["A"][0])
-    shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in)}
+    shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in), "windup": (n_c, n_out)}
     matrices = {}
     for key, stack in stacks.items():
         for value in stack:

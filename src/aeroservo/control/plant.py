@@ -33,8 +33,8 @@ def design_plant(
     """State space of a model for the design and analysis of a controller.
 
     It holds what `linear_system` leaves out: the lag of each sensor that has a bandwidth, the dead times of actuators
-    and (sampled only) of sensors. A position that nothing depends on, such as the heave of a free aircraft, is left out:
-    no gyro or accelerometer sees it.
+    and (sampled only) of sensors. A position that nothing depends on, such as the heave of a free aircraft, is left
+    out: no gyro or accelerometer sees it.
 
     Parameters
     ----------
