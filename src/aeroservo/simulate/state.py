@@ -79,10 +79,8 @@ class RunState:
                 )
             self.map[i] = s.commands.index(targets[0])
         self.limits = np.array(c.limits)
-        n_c, _, n_out = self.ctrl_sizes
-        windup = getattr(c, "windup", None)
-        windup = np.zeros((len(c.pressures), n_c, n_out)) if windup is None else windup
-        above = np.concatenate([c.A, c.B, windup], axis=2)
+        n_out = len(c.outputs)
+        above = np.concatenate([c.A, c.B, c.windup], axis=2)
         below = np.concatenate([c.C, c.D, np.zeros((len(c.pressures), n_out, n_out))], axis=2)
         self.ctrl = np.ascontiguousarray(np.concatenate([above, below], axis=1))
 
