@@ -9,6 +9,7 @@ import typer
 from aeroservo.cli import analyses, model_files, reruns
 from aeroservo.cli.aero import aero
 from aeroservo.cli.flutter import flutter
+from aeroservo.cli.gust import gust
 from aeroservo.cli.output import not_yet
 from aeroservo.cli.polar import polar
 from aeroservo.cli.simulate import simulate
@@ -26,7 +27,6 @@ app = typer.Typer(
 #: Commands of the contract that this version does not have.
 LATER = {
     "design": "controllers",
-    "gust": "gust and turbulence response",
     "envelope": "boundaries over speed and altitude",
     "report": "a study in one file",
     "studio": "a study, live",
@@ -64,6 +64,7 @@ app.command("static", help="Divergence, control reversal, effectiveness, twist."
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
 app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
 app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
+app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
 app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 

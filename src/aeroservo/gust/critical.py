@@ -1,8 +1,8 @@
 """The critical gust gradient of any model: where the peak response is largest.
 
 The model comes in as a callable from an array of gradients to peak responses, so one vectorised simulation answers
-for all gradients and all load channels. A first grid finds the neighbourhood of each channel's maximum; then the
-neighbourhood is zoomed into until the gradient is known to the tolerance.
+for all gradients and all load channels. A first grid finds the neighbourhood of each channel's maximum; then points
+about the top of the parabola through its three best points close in on it until the gradient is known to the tolerance.
 
 What it cannot do: see a second maximum that is narrower than the spacing of the first grid. `samples` is that
 spacing; the grid and its peaks are in the result, so that a plot shows it.
@@ -105,12 +105,11 @@ def critical_gradient(
     P = _peaks(response, H)
     for _ in range(60):
         best = P.argmax(axis=0)
-        left, right = H[np.maximum(best - 1, 0)], H[np.minimum(best + 1, H.size - 1)]
-        open_ = right - left > tolerance * H[best]
-        if not np.any(open_):
-            break
-        new = np.unique(np.linspace(left[open_], right[open_], 9)[1:-1])
-        new = np.setdiff1d(new, H)
+        left, right = np.maximum(best - 1, 0), np.minimum(best + 1, H.size - 1)
+        open_ = np.flatnonzero(H[right] - H[left] > tolerance * H[best])
+        three = np.stack([left, best, right])
+        wanted = [_refined(H[three[:, j]], P[three[:, j], j], tolerance) for j in open_]
+        new = np.setdiff1d(np.concatenate([np.zeros(0), *wanted]), H)
         if new.size == 0:
             break
         order = np.argsort(np.concatenate([H, new]))
@@ -124,6 +123,25 @@ def critical_gradient(
         peaks=P,
         at_limit=(best == 0) | (best == H.size - 1),
     )
+
+
+def _refined(H: Array, peak: Array, tolerance: float) -> Array:
+    """Where to look next between three gradients whose middle one is the best: about the top of their parabola.
+
+    At an end of the range (two of the three are one) a point beside it tells at once whether the end is the maximum.
+    """
+    low, middle, high = (float(x) for x in H)
+    small = 0.45 * tolerance * middle
+    if low == middle or middle == high:
+        near = low + small if low == middle else high - small
+        return np.array([near, 0.5 * (low + high)])
+    left, right = (peak[1] - peak[0]) / (middle - low), (peak[2] - peak[1]) / (high - middle)
+    top = 0.5 * (low + middle) + 0.5 * (high - low) * left / (left - right) if left > right else middle
+    aside = max(small, (high - low) / 16.0)
+    new = np.array([top - aside, top, top + aside])
+    far = low if middle - low > high - middle else high  # a parabola that fits badly must not stall the search
+    new = np.append(new, 0.5 * (middle + far))
+    return new[(new > low) & (new < high)]
 
 
 def _peaks(response: Callable[[Array], ArrayLike], H: Array) -> Array:

@@ -20,6 +20,7 @@ __all__ = ["frequency_grid", "frequency_response", "rms_from_frequency_response"
 
 Array = NDArray[Any]
 Matrices = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
+_CHUNK = 4096  # frequencies solved at once
 
 
 def series(plant: Matrices, shaping: Matrices) -> tuple[Array, Array, Array, Array]:
@@ -68,7 +69,7 @@ def series(plant: Matrices, shaping: Matrices) -> tuple[Array, Array, Array, Arr
     return both, drive, out, np.broadcast_to(D @ d, (*batch, C.shape[-2], b.shape[-1])).copy()
 
 
-def rms_response(plant: Matrices, shaping: Matrices) -> Array:
+def rms_response(plant: Matrices, shaping: Matrices, *, delays: ArrayLike | None = None) -> Array:
     """RMS of every output in continuous turbulence, exactly.
 
     Parameters
@@ -77,6 +78,9 @@ def rms_response(plant: Matrices, shaping: Matrices) -> Array:
         A, B, C, D of a stable plant from gust velocities [m/s] to outputs, as in `series`.
     shaping : tuple of array_like
         A, B, C, D of the shaping filter for unit white noise; with unit intensity the result is A of CS-25.341(b).
+    delays : array_like, shape (m,), optional
+        How much later than its own time each gust input meets the filter's output: gust zones aft of one another,
+        x_offset/V. One system only, no batch. [s]
 
     Returns
     -------
@@ -86,7 +90,7 @@ def rms_response(plant: Matrices, shaping: Matrices) -> Array:
     Raises
     ------
     ValueError
-        If the series is unstable, or an output carries white noise itself (infinite RMS).
+        If the series is unstable, an output carries white noise itself (infinite RMS), or delays are given to a batch.
 
     References
     ----------
@@ -99,12 +103,47 @@ def rms_response(plant: Matrices, shaping: Matrices) -> Array:
     >>> rms_response(gain, unit).round(12)
     array([3.])
     """
+    if delays is not None and np.ptp(np.asarray(delays, dtype=float)):
+        return _rms_delayed(plant, shaping, np.asarray(delays, dtype=float))
     A, B, C, D = series(plant, shaping)
     if np.any(D != 0.0):
         raise ValueError("an output carries the white noise itself: its RMS is infinite (filter with feed-through D)")
     P = stationary_covariance(A, B)
     variance = np.einsum("...ij,...jk,...ik->...i", C, P, C)
     return np.sqrt(np.maximum(variance, 0.0))
+
+
+def _rms_delayed(plant: Matrices, shaping: Matrices, delays: Array) -> Array:
+    """RMS where the inputs come late: a plant for each input, all behind one filter, and their covariance in time.
+
+    The output is the sum over inputs of C_z x(t - delay_z); Cov(x(t + tau), x(t)) = e^(A tau) P for tau >= 0.
+    """
+    from scipy.linalg import expm
+
+    A, B, C, D = (np.asarray(x, dtype=float) for x in plant)
+    a, b, c, d = (np.asarray(x, dtype=float) for x in shaping)
+    if A.ndim != 2 or a.ndim != 2:
+        raise ValueError("delays need one system, got a batch")
+    n, m, k = A.shape[0], B.shape[1], a.shape[0]
+    if delays.shape != (m,) or c.shape[0] != m:
+        raise ValueError(f"delays and outputs of the filter must be {m}, as the gust inputs, got {delays.shape}")
+    if np.any(d != 0.0):
+        raise ValueError("an output carries the white noise itself: its RMS is infinite (filter with feed-through D)")
+    size = m * n + k
+    both, rows = np.zeros((size, size)), np.zeros((m, C.shape[0], size))
+    for z in range(m):
+        here = slice(z * n, (z + 1) * n)
+        both[here, here], both[here, m * n :] = A, np.outer(B[:, z], c[z])
+        rows[z][:, here], rows[z][:, m * n :] = C, np.outer(D[:, z], c[z])
+    both[m * n :, m * n :] = a
+    P = stationary_covariance(both, np.vstack([np.zeros((m * n, b.shape[1])), b]))
+    variance = np.zeros(C.shape[0])
+    for z in range(m):
+        for y in range(m):
+            later = delays[y] - delays[z]  # x_z is seen at t - delay_z, that much after x_y
+            between = expm(both * later) @ P if later >= 0.0 else P @ expm(-both * later).T
+            variance += np.einsum("ij,jk,ik->i", rows[z], between, rows[y])
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def frequency_response(plant: Matrices, omega: ArrayLike) -> Array:
@@ -124,16 +163,28 @@ def frequency_response(plant: Matrices, omega: ArrayLike) -> Array:
 
     References
     ----------
-    T. Kailath, Linear Systems, 1980, chapter 2; time factor e^(+i omega t).
+    T. Kailath, Linear Systems, 1980, chapter 2; time factor e^(+i omega t); A. J. Laub, IEEE Trans. Autom. Control
+    26(2), 1981, for one reduction of A that serves all frequencies (here to Schur's triangle).
 
     Examples
     --------
     >>> frequency_response(([[-1.0]], [[1.0]], [[1.0]], [[0.0]]), [1.0])[0, 0, 0]
     np.complex128(0.5-0.5j)
     """
+    from scipy.linalg import schur
+
     A, B, C, D = (np.asarray(x, dtype=float) for x in plant)
-    s = 1j * np.asarray(omega, dtype=float)[:, None, None]
-    return C @ np.linalg.solve(s * np.eye(A.shape[0]) - A, np.broadcast_to(B, (s.size, *B.shape)).astype(complex)) + D
+    omega = np.asarray(omega, dtype=float)
+    H = np.empty((omega.size, *D.shape), dtype=complex)
+    T, Q = schur(A, output="complex") if A.size else (np.zeros((0, 0), complex), np.zeros((0, 0), complex))
+    right, left = Q.conj().T @ B, C @ Q
+    for start in range(0, omega.size, _CHUNK):
+        s = 1j * omega[start : start + _CHUNK, None]
+        x = np.empty((A.shape[0], s.size, B.shape[1]), dtype=complex)
+        for i in range(A.shape[0] - 1, -1, -1):  # (s - T) x = right, from the last row up
+            x[i] = (right[i] + np.tensordot(T[i, i + 1 :], x[i + 1 :], axes=1)) / (s - T[i, i])
+        H[start : start + _CHUNK] = np.einsum("yn,nwm->wym", left, x, optimize=True) + D
+    return H
 
 
 def frequency_grid(A: ArrayLike, low: float, high: float, *, per_decade: int = 200, per_peak: int = 800) -> Array:
