@@ -162,6 +162,40 @@ class FlightCondition:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Relaxation:
+    """One branch of a viscoelastic stiffness: the part of K that is gone when a strain has been held for long.
+
+    Attributes
+    ----------
+    time : float
+        Relaxation time. [s]
+    K : ndarray, shape (n, n)
+        Stiffness that relaxes, symmetric, positive semidefinite: K (t) = K - sum of K_j (1 - exp(-t/time_j)). [SI]
+    """
+
+    time: float
+    K: Array
+
+    def __post_init__(self) -> None:
+        """Lock the matrix and check it."""
+        object.__setattr__(self, "K", frozen(self.K, ndim=2, name="K of a relaxation"))
+        if not 0.0 < self.time < np.inf:
+            raise ValueError(f"time of a relaxation must be positive [s], got {self.time}")
+        size = np.abs(self.K).max(initial=0.0)
+        if not np.allclose(self.K, self.K.T, rtol=1e-8, atol=1e-10 * size):
+            raise ValueError("K of a relaxation must be symmetric")
+        if np.linalg.eigvalsh(self.K).min(initial=0.0) < -1e-9 * size:
+            raise ValueError("K of a relaxation must not be negative: stiffness relaxes, it does not grow")
+
+    @cached_property
+    def strain(self) -> Array:
+        """Rows R with R^T R = K, one for each internal state: time y' = R q - y, force R^T y, shape (r, n). [SI]"""
+        values, vectors = np.linalg.eigh(0.5 * (self.K + self.K.T))
+        used = values > 1e-13 * values.max(initial=0.0)
+        return np.asarray(np.sqrt(values[used])[:, None] * vectors[:, used].T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ModalModel:
     """A structure in generalised coordinates; no air in it.
 
@@ -183,6 +217,8 @@ class ModalModel:
         Structural (hysteretic) damping: K becomes K (1 + i g) in frequency-domain methods only. [-]
     units : tuple of str, length n
         Unit of each coordinate ("m", "rad"; empty where it has none).
+    relaxing : tuple of Relaxation
+        Parts of K, which is the instantaneous (glassy) stiffness, that relax: a viscoelastic structure.
     """
 
     M: Array
@@ -194,6 +230,7 @@ class ModalModel:
     grid: Array = None  # type: ignore[assignment]
     hysteretic_g: float = 0.0
     units: tuple[str, ...] = ()
+    relaxing: tuple[Relaxation, ...] = ()
 
     def __post_init__(self) -> None:
         """Lock the arrays and check the invariants."""
@@ -221,6 +258,40 @@ class ModalModel:
             raise ValueError(f"units must name one unit for each of {n} modes, got {self.units}")
         if not 0.0 <= self.hysteretic_g < 1.0:
             raise ValueError(f"hysteretic_g must lie in [0, 1), got {self.hysteretic_g:g}")
+        self._check_relaxing()
+
+    def _check_relaxing(self) -> None:
+        """What relaxes must be of this structure and leave some of it."""
+        if not self.relaxing:
+            return
+        if self.hysteretic_g:
+            raise ValueError("a viscoelastic structure has its own damping: leave out hysteretic damping")
+        if any(branch.K.shape != self.K.shape for branch in self.relaxing):
+            raise ValueError(f"relaxing parts must have the shape of K, {self.K.shape}")
+        left, size = self.relaxed_K, np.abs(self.K).max(initial=0.0)
+        if np.linalg.eigvalsh(0.5 * (left + left.T)).min() < -1e-9 * size:
+            raise ValueError("the relaxed stiffness is negative: ratios of what relaxes must add up to less than 1")
+
+    @property
+    def relaxed_K(self) -> Array:
+        """Long-term stiffness, shape (n, n): K itself where nothing relaxes. [SI]"""
+        return self.K - sum(branch.K for branch in self.relaxing) if self.relaxing else self.K
+
+    def relaxation(self, s: ArrayLike) -> Array:
+        """What relaxation adds to K at Laplace variables s (...): -sum K_j/(1 + s time_j), shape (..., n, n). [SI]"""
+        s = np.asarray(s, dtype=complex)[..., None, None]
+        out = np.zeros((*s.shape[:-2], self.n, self.n), dtype=complex)
+        for branch in self.relaxing:
+            out = out - branch.K / (1.0 + s * branch.time)
+        return out
+
+    def relaxation_slope(self, s: ArrayLike) -> Array:
+        """Derivative of `relaxation` with respect to s, shape (..., n, n). [SI]"""
+        s = np.asarray(s, dtype=complex)[..., None, None]
+        out = np.zeros((*s.shape[:-2], self.n, self.n), dtype=complex)
+        for branch in self.relaxing:
+            out = out + branch.K * branch.time / (1.0 + s * branch.time) ** 2
+        return out
 
     @property
     def n(self) -> int:
@@ -228,7 +299,7 @@ class ModalModel:
         return len(self.names)
 
     def dynamic_stiffness(self, s: ArrayLike) -> Array:
-        """Structural dynamic stiffness s^2 M + s D + K (1 + i g sign(Im s)).
+        """Structural dynamic stiffness s^2 M + s D + K (1 + i g sign(Im s)) - sum K_j/(1 + s time_j).
 
         Parameters
         ----------
@@ -242,7 +313,8 @@ class ModalModel:
 
         References
         ----------
-        equations.md, "One equation of motion" and "Moving axes, structural damping" [7.37].
+        equations.md, "One equation of motion" and "Moving axes, structural damping" [7.37]; Christensen, Theory of
+        Viscoelasticity, 1982, section 1.6 (complex modulus of the generalised Maxwell body).
 
         Examples
         --------
@@ -250,8 +322,9 @@ class ModalModel:
         >>> abs(complex(one.dynamic_stiffness(2j)[0, 0]))
         0.0
         """
-        s = np.asarray(s, dtype=complex)[..., None, None]
-        return s * s * self.M + s * self.D + self.K * (1.0 + 1j * self.hysteretic_g * np.sign(s.imag))
+        z = np.asarray(s, dtype=complex)[..., None, None]
+        Z = z * z * self.M + z * self.D + self.K * (1.0 + 1j * self.hysteretic_g * np.sign(z.imag))
+        return Z + self.relaxation(s) if self.relaxing else Z
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -25,8 +25,8 @@ and the motion antisymmetric: the two halves then take more from each other (a t
 wing has the first, and the second in all that is about roll: its steady rate, effectiveness and reversal.
 
 What the strips do not have from the lattice: the aerodynamic centre is at the quarter chord everywhere; of dihedral
-only the developed length is kept. Sections are taken to keep their loading's shape as the wing deforms, good for
-aspect ratios above five or so; below, `flutter` and `static` from strips are a first estimate.
+only the developed length is kept. Loadings keep their shape as the wing deforms, which is good for aspect ratios above
+five or so; below, `flutter` and `static` from strips are a first estimate.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aero.vlm_loads import span_loading
 from aeroservo.aeroelastic.aircraft_lattice import ANTISYMMETRIC, DEFAULT, aircraft_lattice
 from aeroservo.aeroelastic.build_beam import StripWing
+from aeroservo.aeroelastic.material import material
 from aeroservo.aircraft.aircraft_schema import AircraftFile, Structure
 from aeroservo.aircraft.geometry import LiftingSurface, span_stations
 from aeroservo.datatypes import Array
@@ -313,6 +314,7 @@ def _beam(model: AircraftFile, axis: _Axis) -> SlenderBeam:
         root=structure.root,
         symmetry=structure.symmetry,
         origin=np.array([axis.x[0], axis.y[0], 0.0]),
+        material=material(model.viscoelastic),
     )
 
 

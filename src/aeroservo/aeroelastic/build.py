@@ -20,6 +20,7 @@ from aeroservo.aero.strip import (
 )
 from aeroservo.aeroelastic.aircraft_wing import aircraft_wing
 from aeroservo.aeroelastic.build_beam import beam_model, beam_wing
+from aeroservo.aeroelastic.material import material
 from aeroservo.aeroelastic.pitch_plunge import pitch_plunge_model
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.schema_base import FileModel
@@ -33,6 +34,7 @@ from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.damping import modal_damping
 from aeroservo.structure.modal import tip_motion
 from aeroservo.structure.section import typical_section
+from aeroservo.structure.viscoelastic import Viscoelastic, relaxing
 
 THEORIES: dict[str, Callable[[], Theory]] = {
     "quasi_steady": lambda: QuasiSteady(damped=False),
@@ -188,7 +190,7 @@ def _section(model: TypicalSection, theory: Theory) -> AeroelasticModel:
     dampers = (
         None if viscous is None else np.diag([viscous.plunge_N_s_per_m2, viscous.pitch_N_s, 0.0])[: modes.n, : modes.n]
     )
-    modes = _damped(modes, model.damping, dampers)
+    modes = _relaxing(_damped(modes, model.damping, dampers), material(model.viscoelastic))
     one = np.ones(1)
     strips = Strips(
         y=one,
@@ -234,7 +236,7 @@ def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticMo
     modes = whole_aircraft(**common, centre_mass=centre) if isinstance(w, AircraftWing) else binary_wing(**common)
     viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
     dampers = None if viscous is None else _tip_dampers(modes, viscous.plunge_N_s_per_m, viscous.pitch_N_m_s)
-    modes = _damped(modes, model.damping, dampers)
+    modes = _relaxing(_damped(modes, model.damping, dampers), material(model.viscoelastic))
     every = np.ones(len(points))
     strips = Strips(
         y=points * np.cos(sweep),
@@ -275,6 +277,14 @@ def _modal(model: ModalFile, aero: str | None) -> AeroelasticModel:
 def _input_kind(name: str) -> str:
     """Kind of a user's input by its name: "gust..." and "steady..." say so, everything else is a control."""
     return next((kind for kind in ("gust", "steady") if name.lower().startswith(kind)), "control")
+
+
+def _relaxing(modes: ModalModel, law: Viscoelastic | None) -> ModalModel:
+    """Springs of bending (the first coordinate) and of torsion (the second) that relax."""
+    if law is None:
+        return modes
+    first, second = (np.diag(np.where(np.arange(modes.n) == j, np.diag(modes.K), 0.0)) for j in (0, 1))
+    return replace(modes, relaxing=relaxing(first, second, law))
 
 
 def _tip_dampers(modes: ModalModel, plunge: float, pitch: float) -> Array:

@@ -18,14 +18,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from aeroservo.aero.strip import Indicial, QuasiSteady, Strips, Theory, strip_aero, strip_shapes
+from aeroservo.aeroelastic.material import material
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.atmosphere import STANDARD_GRAVITY
-from aeroservo.datatypes import AeroelasticModel, Array, ModalModel
+from aeroservo.datatypes import AeroelasticModel, Array, ModalModel, Relaxation
 from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
 from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.beam_elements import beam_mesh, stiffness_blocks, strain_shapes
+from aeroservo.structure.viscoelastic import relaxing
 
 BEAM_MODES = 10
 """Elastic modes kept of a beam wing for dynamics: flutter speeds of ordinary wings to 1e-5."""
@@ -220,6 +223,7 @@ def slender_beam(model: BeamWing) -> SlenderBeam:
         root=w.root,
         symmetry=w.symmetry,
         origin=np.array([stations[0].flexural_axis * stations[0].chord_m, 0.0, 0.0]),
+        material=material(model.viscoelastic),
     )
 
 
@@ -302,14 +306,32 @@ def _strain_modes(beam: SlenderBeam, points: Array, nodes: Array) -> ModalModel:
     """The clamped wing in strain coordinates of unit strain energy; statics use no mass, so M is the unit matrix."""
     clamped = replace(beam, root="clamped", symmetry="symmetric")
     mesh = beam_mesh(clamped, elements=1, degree=STATIC_DEGREE, at=nodes)
-    blocks = np.linalg.inv(np.linalg.cholesky(stiffness_blocks(mesh)))
+    stiffness = stiffness_blocks(mesh)
+    blocks = np.linalg.inv(np.linalg.cholesky(stiffness))
     shapes = strain_shapes(mesh, points).reshape(3 * points.size, len(blocks), -1)
     unit = np.einsum("gek,emk->gem", shapes, blocks).reshape(points.size, 3, -1)
     n = unit.shape[2]
     phi = np.zeros((points.size, 6, n))
     phi[:, 2:5] = unit
     names = tuple(f"strain {j + 1}" for j in range(n))
-    return ModalModel(M=np.eye(n), D=np.zeros((n, n)), K=np.eye(n), names=names, phi=phi, grid=beam.position(points))
+    relaxes: tuple[Relaxation, ...] = ()
+    if beam.material is not None:
+        k = mesh.terms
+        parts = []
+        for own in (slice(0, k), slice(k, 2 * k)):
+            part = np.zeros_like(stiffness)
+            part[:, own, own] = stiffness[:, own, own]
+            parts.append(block_diag(*(blocks @ part @ blocks.transpose(0, 2, 1))))
+        relaxes = relaxing(parts[0], parts[1], beam.material)
+    return ModalModel(
+        M=np.eye(n),
+        D=np.zeros((n, n)),
+        K=np.eye(n),
+        names=names,
+        phi=phi,
+        grid=beam.position(points),
+        relaxing=relaxes,
+    )
 
 
 def _weight(beam: SlenderBeam, modes: ModalModel, points: Array, width: Array) -> Array:

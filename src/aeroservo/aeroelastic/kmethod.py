@@ -87,7 +87,7 @@ def k_boundaries(model: AeroelasticModel, condition: FlightCondition, *, points:
     Raises
     ------
     ValueError
-        If the air forces depend on Mach number, which the k method holds fixed.
+        If the air forces depend on Mach number, which the k method holds fixed, or the stiffness on frequency.
 
     References
     ----------
@@ -101,6 +101,11 @@ def k_boundaries(model: AeroelasticModel, condition: FlightCondition, *, points:
     >>> k_boundaries(AeroelasticModel(modes=one, aero=air), FlightCondition(V=[1.0, 9.0], rho=1.2))
     []
     """
+    if model.modes.relaxing:
+        raise ValueError(
+            "the k method needs a stiffness that does not depend on frequency: use p, pk or g for a viscoelastic "
+            "structure"
+        )
     if len(model.aero.mach) > 1:
         raise ValueError("the k method holds one Mach number, these air forces are given at several: use p-k")
     rho, b, scale = float(condition.rho[0]), model.aero.b, frequency_scale(model)
@@ -242,6 +247,6 @@ def root_slope(model: AeroelasticModel, condition: FlightCondition, V: float, om
     compressibility = (aero(k, mach + step)[:, :n] - aero(k, mach - step)[:, :n]) / (
         2.0 * step * float(condition.a_sound)
     )
-    dF_ds = 2.0 * s * modes.M + modes.D - q * b / V * slope
+    dF_ds = 2.0 * s * modes.M + modes.D - q * b / V * slope + modes.relaxation_slope(s)
     dF_dV = -rho * V * Q + q * s * b / V**2 * slope - q * compressibility
     return complex(-(y @ dF_dV @ x) / (y @ dF_ds @ x))

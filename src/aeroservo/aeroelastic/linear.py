@@ -54,7 +54,9 @@ def displacement_free(modes: ModalModel, aero: SampledAero | RationalAero) -> Ar
 
 
 def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: Array | None = None) -> Array:
-    """Matrix A of z' = A z with z = [q kept, q', lag states]; the p method's matrix.
+    """Matrix A of z' = A z with z = [q kept, q', internal states]; the p method's matrix.
+
+    Internal states are the lags of the air and, after them, those of a viscoelastic structure (`internal_states`).
 
     Parameters
     ----------
@@ -67,7 +69,7 @@ def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: A
 
     Returns
     -------
-    A : ndarray, shape (..., n_keep + n + n_lag, n_keep + n + n_lag)
+    A : ndarray, shape (..., n_keep + n + n_in, n_keep + n + n_in)
         State matrix. [1/s and mixed]
 
     Raises
@@ -78,7 +80,7 @@ def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: A
     References
     ----------
     equations.md, "One equation of motion" (lag states x_j' = q' - (V/b) gamma_j x_j);
-    Bramstång 2015, Eq. 7.24.
+    Bramstång 2015, Eq. 7.24 and section 7.8 (internal states y of relaxation: time y' = R q - y, K_j = R^T R).
 
     Examples
     --------
@@ -102,27 +104,65 @@ def state_matrix(model: AeroelasticModel, condition: FlightCondition, *, keep: A
     A0, A1, A2, lag_D = (x[..., :n] if i < 3 else x for i, x in enumerate(aero.matrices(condition.mach)))
     V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
     inverse = _inverse_mass(modes, aero, A2, condition)
-    blocks = [q * A0 - modes.K, 0.5 * rho * V * aero.b * A1 - modes.D, q * lag_D]
+    strains = [branch.strain for branch in modes.relaxing]
+    R = np.concatenate([*strains, np.zeros((0, n))])
+    n_in = n_lag + len(R)
+    blocks = [q * A0 - modes.K, 0.5 * rho * V * aero.b * A1 - modes.D, q * lag_D, R.T]
     blocks = [np.broadcast_to(block, (*condition.V.shape, *block.shape[-2:])) for block in blocks]
     rows = inverse @ np.concatenate(blocks, axis=-1)
-    A = np.zeros((*condition.V.shape, m + n + n_lag, m + n + n_lag))
+    A = np.zeros((*condition.V.shape, m + n + n_in, m + n + n_in))
     A[..., np.arange(m), m + kept] = 1.0
     A[..., m : m + n, :m] = rows[..., kept]
     A[..., m : m + n, m:] = rows[..., n:]
     if n_lag:
-        A[..., m + n :, m : m + n] = aero.lag_E[:, :n]
+        A[..., m + n : m + n + n_lag, m : m + n] = aero.lag_E[:, :n]
         lag = np.arange(m + n, m + n + n_lag)
         A[..., lag, lag] = -condition.V[..., None] / aero.b * aero.lags
+    if len(R):
+        rate = 1.0 / np.concatenate([np.full(len(x), b.time) for x, b in zip(strains, modes.relaxing)])
+        inner = np.arange(m + n + n_lag, m + n + n_in)
+        A[..., inner, :m] = (rate[:, None] * R)[:, kept]
+        A[..., inner, inner] = -rate
     return A
+
+
+def internal_states(model: AeroelasticModel) -> tuple[str, ...]:
+    """Names of the states of a model beside displacements and rates: lags of the air, then of relaxation.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        With rational air forces.
+
+    Returns
+    -------
+    names : tuple of str
+        "lag_1" ... "relaxation_1" ... in the order of `state_matrix`.
+
+    References
+    ----------
+    equations.md, "One equation of motion"; Bramstång 2015, section 7.8.
+
+    Examples
+    --------
+    >>> from aeroservo.aeroelastic.build import build
+    >>> from aeroservo.aircraft.files import read
+    >>> internal_states(build(read("goland"), "jones"))[:2]
+    ('lag_1', 'lag_2')
+    """
+    lags = len(model.aero.lags) if isinstance(model.aero, RationalAero) else 0
+    relaxing = sum(len(branch.strain) for branch in model.modes.relaxing)
+    return (*(f"lag_{j + 1}" for j in range(lags)), *(f"relaxation_{j + 1}" for j in range(relaxing)))
 
 
 def linear_system(model: AeroelasticModel, condition: FlightCondition, *, actuators: bool = True) -> LinearSystem:
     """Named state space of a model at a flight condition, or at a batch of them, about its equilibrium.
 
-    States are every displacement, every rate, the lag states y of y' = E q' - (V/b) gamma (y + E u), then the
-    deflection (and its rate) of each actuator; inputs the controls [rad], commands where an actuator moves them, and
-    the gust zones w_g [m/s, up positive, met at the zone's own leading edge]; outputs the displacements, rates,
-    deflections behind actuators and sensors. Limits, backlash, dead times and bandwidths of sensors are left out.
+    States are every displacement, every rate, the lag states y of y' = E q' - (V/b) gamma (y + E u), the internal
+    states of a viscoelastic structure, then the deflection (and its rate) of each actuator; inputs the controls [rad],
+    commands where an actuator moves them, and the gust zones w_g [m/s, up positive, met at the zone's own leading
+    edge]; outputs the displacements, rates, deflections behind actuators and sensors. Limits, backlash, dead times and
+    bandwidths of sensors are left out.
 
     A gust column with a rate term (A1) would take w_g' and a sharp edge would be an impulse: the jump of the rates that
     it gives is taken out of the state, so that the rates are C x + D w_g.
@@ -166,8 +206,8 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition, *, actuat
     moved = {a.control: a for a in model.actuators} if actuators else {}
     check_control_terms(model, moved)
     plant = PlantRows(model, condition)
-    n, n_lag = modes.n, len(aero.lags)
-    batch, n_plant = condition.V.shape, 2 * modes.n + len(aero.lags)
+    internal = internal_states(model)
+    batch, n_plant = condition.V.shape, 2 * modes.n + len(internal)
     names = [aero.inputs[j].name for j in plant.controls]
     chosen = [moved.get(name) for name in names]
     width = [0 if a is None else a.order for a in chosen]
@@ -199,7 +239,7 @@ def linear_system(model: AeroelasticModel, condition: FlightCondition, *, actuat
     jump[..., :n_plant, :] = plant.gust_rate
     B[..., :n_plant, len(names) :] = plant.gust
     B[..., len(names) :] += full @ jump
-    return _named(model, full, B, jump, plant, [a for a in chosen if a is not None], n, n_lag)
+    return _named(model, full, B, jump, plant, [a for a in chosen if a is not None], internal)
 
 
 def check_control_terms(model: AeroelasticModel, moved: Mapping[str, Actuator]) -> None:
@@ -254,16 +294,16 @@ class PlantRows:
         Their columns of Q.
     inverse : ndarray, shape (..., n, n) or (n, n)
         Inverse of the mass with the air that moves along. [SI]
-    delta, delta_rate, delta_acceleration : ndarray, shape (..., 2n + n_lag, n_u)
-        Per control angle, rate and acceleration. [SI]
-    gust, gust_rate : ndarray, shape (..., 2n + n_lag, n_w)
+    delta, delta_rate, delta_acceleration : ndarray, shape (..., 2n + n_in, n_u)
+        Per control angle, rate and acceleration; zero in the states of relaxation. [SI]
+    gust, gust_rate : ndarray, shape (..., 2n + n_in, n_w)
         Per gust velocity and its rate of change. [SI]
     """
 
     def __init__(self, model: AeroelasticModel, condition: FlightCondition) -> None:
         modes, aero = model.modes, model.aero
         assert isinstance(aero, RationalAero)
-        n, n_lag = modes.n, len(aero.lags)
+        n, n_lag, n_in = modes.n, len(aero.lags), len(internal_states(model))
         self.controls, self.gusts = aero.columns("control"), aero.columns("gust")
         A0, A1, A2, lag_D = aero.matrices(condition.mach)
         V, rho, q = (np.asarray(x)[..., None, None] for x in (condition.V, condition.rho, condition.q))
@@ -271,10 +311,10 @@ class PlantRows:
 
         def rows(force: Array, lag: Array | None = None) -> Array:
             """Accelerations of a force, and the drive of the lags."""
-            out = np.zeros((*condition.V.shape, 2 * n + n_lag, force.shape[-1]))
+            out = np.zeros((*condition.V.shape, 2 * n + n_in, force.shape[-1]))
             out[..., n : 2 * n, :] = inverse @ np.broadcast_to(force, (*condition.V.shape, *force.shape[-2:]))
             if lag is not None:
-                out[..., 2 * n :, :] = lag
+                out[..., 2 * n : 2 * n + n_lag, :] = lag
             return out
 
         def of(columns: list[int]) -> tuple[Array, Array]:
@@ -297,13 +337,12 @@ def _named(
     jump: Array,
     plant: PlantRows,
     moved: list[Actuator],
-    n: int,
-    n_lag: int,
+    internal: tuple[str, ...],
 ) -> LinearSystem:
     """Outputs and names: rates hold the jump of the gust."""
-    modes, aero = model.modes, model.aero
+    modes, aero, n = model.modes, model.aero, model.modes.n
     n_x, batch = A.shape[-1], A.shape[:-2]
-    deflection = np.cumsum([2 * n + n_lag, *(a.order for a in moved)])[:-1].astype(int)
+    deflection = np.cumsum([2 * n + len(internal), *(a.order for a in moved)])[:-1].astype(int)
     direct = np.eye(n_x)[[*range(2 * n), *deflection]]
     C = np.broadcast_to(direct, (*batch, *direct.shape))
     n_gust = jump.shape[-1]
@@ -320,7 +359,7 @@ def _named(
     names = [name.replace(" ", "_") for name in modes.names]
     displacement = [name + (f"_{unit}" if unit else "") for name, unit in zip(names, modes.units)]
     rate = [f"{name}_rate" + (f"_{unit}_s" if unit else "_1_s") for name, unit in zip(names, modes.units)]
-    states = [*displacement, *rate, *(f"lag_{j + 1}" for j in range(n_lag))]
+    states = [*displacement, *rate, *internal]
     for actuator in moved:
         states += [f"{actuator.control}_rad", f"{actuator.control}_rate_rad_s"][: actuator.order]
     commanded = {a.control for a in moved}

@@ -33,7 +33,8 @@ def frequency_matrix(model: AeroelasticModel, condition: FlightCondition, omega:
     """State matrix of z = [q, q'] whose eigenvalue with Im p = omega is a root of the p-k or g method.
 
     p-k (Hassig, in the real form of Rodden): Q = Re Q + p (b/V) Im Q / k, hysteretic damping as
-    g K / omega. g (Chen): Q = Q(ik) + Q'(ik) (p b/V - ik), complex.
+    g K / omega. g (Chen): Q = Q(ik) + Q'(ik) (p b/V - ik), complex. The complex modulus of a viscoelastic structure
+    is taken at i omega as Q is, by either method.
 
     Parameters
     ----------
@@ -85,8 +86,16 @@ def _coefficients(
     if g_method:
         slope = aero.slope(k, condition.mach)[..., :n]
         stiffness = modes.K * (1.0 + 1j * modes.hysteretic_g) - q * (Q - 1j * (w * aero.b / V) * slope)
-        return stiffness, modes.D - q * aero.b / V * slope
-    return modes.K - q * Q.real, modes.D - q / w * Q.imag + modes.hysteretic_g / w * modes.K
+        damping = modes.D - q * aero.b / V * slope
+        if modes.relaxing:  # like Q, to first order off the axis
+            rise = modes.relaxation_slope(1j * omega)
+            stiffness, damping = stiffness + modes.relaxation(1j * omega) - 1j * w * rise, damping + rise
+        return stiffness, damping
+    stiffness, damping = modes.K - q * Q.real, modes.D - q / w * Q.imag + modes.hysteretic_g / w * modes.K
+    if modes.relaxing:
+        modulus = modes.relaxation(1j * omega)
+        stiffness, damping = stiffness + modulus.real, damping + modulus.imag / w
+    return stiffness, damping
 
 
 def frequency_roots(model: AeroelasticModel, condition: FlightCondition, *, g_method: bool = False) -> RootSet:
@@ -276,6 +285,9 @@ def _newton(
                 - q / ww * b_V * rate.imag
                 - modes.hysteretic_g / ww**2 * modes.K
             )
+            if modes.relaxing:
+                turn = 1j * modes.relaxation_slope(1j * w)
+                by_omega = by_omega + turn.real + pp * (turn.imag - modes.relaxation(1j * w).imag / ww) / ww
             columns.append((by_omega @ x[..., None])[..., 0])
         solution = _solve(T, np.stack(columns, axis=-1))
         a, c = np.moveaxis(np.einsum("ij,ijk->ik", guide.conj(), solution), -1, 0)
@@ -332,14 +344,15 @@ def _aperiodic_roots(model: AeroelasticModel, condition: FlightCondition, free: 
     """
     modes = model.modes
     n = modes.n
-    undamped = replace(model, modes=replace(modes, hysteretic_g=0.0))
+    elastic = replace(modes, hysteretic_g=0.0, relaxing=(), D=modes.D + modes.relaxation_slope(0.0).real)
+    undamped = replace(model, modes=elastic)
     omega = np.full(condition.V.shape, APERIODIC_K) * condition.V / model.aero.b
     A = frequency_matrix(undamped, condition, omega, g_method=False)
     static = model.aero(0.0, condition.mach)[..., :n].real
-    A[..., n:, :n] = -np.linalg.solve(modes.M, modes.K - condition.q[:, None, None] * static)
+    A[..., n:, :n] = -np.linalg.solve(modes.M, modes.relaxed_K - condition.q[:, None, None] * static)
     if free.any():  # at rest a free mode's rate is the incidence of a steady climb: no damping of another frequency
         rate = model.aero.slope(0.0, condition.mach)[..., :n][..., free].real
-        damping = modes.D[:, free] - (condition.q * model.aero.b / condition.V)[:, None, None] * rate
+        damping = elastic.D[:, free] - (condition.q * model.aero.b / condition.V)[:, None, None] * rate
         A[:, n:, n + np.flatnonzero(free)] = -np.linalg.solve(modes.M, damping)
     keep = np.append(~free, np.ones(n, dtype=bool))
     values, vectors = np.linalg.eig(A[:, keep][:, :, keep])

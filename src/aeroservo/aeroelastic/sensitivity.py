@@ -199,7 +199,7 @@ def _flutter_boundary(
     k, mach, step = omega * b / V, V / a_sound, 1e-6
     slope = ready.aero.slope(k, mach)[:, :n]
     by_mach = (ready.aero(k, mach + step) - ready.aero(k, max(mach - step, 0.0)))[:, :n] / (2.0 * step)
-    F_s = 2.0 * s * ready.modes.M + ready.modes.D - q * b / V * slope
+    F_s = 2.0 * s * ready.modes.M + ready.modes.D - q * b / V * slope + ready.modes.relaxation_slope(s)
     F_V = -rho * V * ready.aero(k, mach)[:, :n] + q * s * b / V**2 * slope - q / a_sound * by_mach
     left, right = _null(matrix(model))
     a, turn = left @ F_V @ right, 1j * (left @ F_s @ right)
@@ -307,6 +307,7 @@ def _turned(model: AeroelasticModel, onto: AeroelasticModel) -> AeroelasticModel
         D=T.T @ model.modes.D @ T,
         K=T.T @ model.modes.K @ T,
         phi=phi @ T,
+        relaxing=tuple(replace(branch, K=_symmetric(T.T @ branch.K @ T)) for branch in model.modes.relaxing),
     )
     return replace(model, modes=modes, aero=_turned_air(model.aero, T))
 

@@ -59,6 +59,9 @@ class StaticResult:
 def divergence(model: AeroelasticModel, condition: FlightCondition) -> StaticSpeed:
     """Static divergence with rigid-body modes fixed: the lowest q_bar with det(K - q_bar Q(0)) = 0.
 
+    K is the long-term stiffness: of a viscoelastic structure this is creep divergence, above which a disturbed wing
+    twists on for ever; `creep.glassy` gives the elastic figures.
+
     Parameters
     ----------
     model : AeroelasticModel
@@ -94,7 +97,7 @@ def divergence(model: AeroelasticModel, condition: FlightCondition) -> StaticSpe
 
 
 def elastic_stiffness(model: AeroelasticModel) -> tuple[Array, Array]:
-    """Indices of the modes that have stiffness, and their K: rigid-body modes are held fixed.
+    """Indices of the modes that have stiffness, and their long-term K: rigid-body modes are held fixed.
 
     Parameters
     ----------
@@ -120,7 +123,7 @@ def elastic_stiffness(model: AeroelasticModel) -> tuple[Array, Array]:
     >>> elastic_stiffness(AeroelasticModel(modes=one, aero=air))[1].tolist()
     [[4.0]]
     """
-    K = model.modes.K
+    K = model.modes.relaxed_K
     size = np.abs(K).max(axis=0) / np.sqrt(np.diag(model.modes.M))
     index = np.flatnonzero(size > 1e-13 * size.max(initial=0.0))
     return index, K[np.ix_(index, index)]

@@ -14,6 +14,7 @@ from aeroservo.aircraft.geometry import ControlSurface, LiftingSurface, Referenc
 from aeroservo.aircraft.masses import MassItem, MassProperties, mass_properties, planform_mass
 from aeroservo.aircraft.planform import planform, reference_quantities
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Strings, Table, WingDamping, positive_definite, quantity
+from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
 
 _Name = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 
@@ -175,6 +176,7 @@ class AircraftFile(FileModel):
     reference: Reference = Field(Reference(), description="what coefficients refer to")
     structure: Structure | None = Field(None, description="beam along the span of one surface")
     damping: WingDamping | None = Field(None, description="structural damping")
+    viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
 
     def surfaces(self) -> tuple[LiftingSurface, ...]:
         """The lifting surfaces as geometry."""
@@ -206,7 +208,7 @@ class AircraftFile(FileModel):
             found += self._elastic_wing(self.structure)
         if not self.mass:
             found.append("no [[mass]] items: centre of gravity and inertia are unknown")
-        return tuple(found)
+        return (*found, *material_notes(self.viscoelastic))
 
     def _elastic_wing(self, structure: Structure) -> list[str]:
         """Sources of the beam and its strips, and masses that do not agree."""

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, Strict, model_validator
 
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Table, WingDamping, positive_definite, quantity
+from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
 from aeroservo.aircraft.schema_wing import Elevon
 
 _SWEEP = "sweep of the panel outboard, positive aft; default the wing's"
@@ -114,6 +115,7 @@ class BeamWing(FileModel):
     kind: Literal["beam_wing"] = Field(description="kind of model")
     wing: BeamWingTable = Field(description="the half wing")
     damping: WingDamping | None = Field(None, description="structural damping")
+    viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
 
     def problems(self) -> tuple[str, ...]:
         """Findings that do not stop a computation: see `FileModel.problems`."""
@@ -124,7 +126,7 @@ class BeamWing(FileModel):
         ]
         if self.wing.root == "clamped" and "symmetry" in self.wing.model_fields_set:
             found.append("wing.symmetry says nothing about a clamped root and is not used")
-        return tuple(found)
+        return (*found, *material_notes(self.viscoelastic))
 
     def derived(self) -> dict[str, Any]:
         """Span, area, mass of the half wing, its static moments: see `FileModel.derived`."""

@@ -16,6 +16,7 @@ from aeroservo.aircraft.schema_base import (
     positive_definite,
     quantity,
 )
+from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
 
 
 class SectionFlap(Table):
@@ -91,13 +92,23 @@ class TypicalSection(FileModel):
     kind: Literal["typical_section"] = Field(description="kind of model")
     section: Section = Field(description="the aerofoil and its springs")
     damping: SectionDamping | None = Field(None, description="structural damping")
+    viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
+
+    @model_validator(mode="after")
+    def _one_law(self) -> TypicalSection:
+        if self.viscoelastic is not None and self.section.nonlinear is not None:
+            raise ValueError("[viscoelastic] and [section.nonlinear] are two laws for one spring: leave one out")
+        return self
 
     def problems(self) -> tuple[str, ...]:
         """Findings that do not stop a computation: see `FileModel.problems`."""
         cg = self.section.cg_axis
         if -1.0 <= cg <= 2.0:
-            return ()
-        return (f"section: the mass axis at x/c = {cg:.3g} is outside the chord by more than a chord",)
+            return material_notes(self.viscoelastic)
+        return (
+            f"section: the mass axis at x/c = {cg:.3g} is outside the chord by more than a chord",
+            *material_notes(self.viscoelastic),
+        )
 
     def derived(self) -> dict[str, Any]:
         """Semi-chord, offsets, radius of gyration, uncoupled frequencies: see `FileModel.derived`."""

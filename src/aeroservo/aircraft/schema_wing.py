@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Table, WingDamping, quantity
+from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
 
 _EI = "bending stiffness EI instead of the plunge spring: K_h = 4 EI/s^3"
 _GJ = "torsion stiffness GJ instead of the pitch spring: K_theta = GJ/s"
@@ -90,15 +91,17 @@ class AircraftWing(Wing):
 class _WingFile(FileModel):
     wing: Wing = Field(description="the half wing and its springs")
     damping: WingDamping | None = Field(None, description="structural damping")
+    viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
 
     def problems(self) -> tuple[str, ...]:
         """Findings that do not stop a computation: see `FileModel.problems`."""
         w = self.wing
         if abs(w.e - (w.flexural_axis - 0.25)) <= 1e-9:
-            return ()
+            return material_notes(self.viscoelastic)
         return (
             f"wing.eccentricity = {w.e:g} disagrees with flexural_axis - 1/4 = {w.flexural_axis - 0.25:g}: "
             "Theodorsen's a is taken from flexural_axis, the quasi-steady forms take eccentricity",
+            *material_notes(self.viscoelastic),
         )
 
     def derived(self) -> dict[str, Any]:

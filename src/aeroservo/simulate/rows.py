@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aeroservo.aeroelastic.linear import PlantRows, check_control_terms, state_matrix
+from aeroservo.aeroelastic.linear import PlantRows, check_control_terms, internal_states, state_matrix
 from aeroservo.datatypes import AeroelasticModel, Array, FlightCondition, LinearSystem, RationalAero
 from aeroservo.servo import Actuator, Sensor
 from aeroservo.simulate._kernels import CLIP, COSINE, PLAY, SPRING, TABLE
@@ -32,7 +32,7 @@ class ModelRows:
         aero, modes = model.aero, model.modes
         if not isinstance(aero, RationalAero):
             raise ValueError("a simulation needs rational air forces: fit the samples first (fit_rational)")
-        self.aero, self.n, self.n_lag = aero, modes.n, len(aero.lags)
+        self.aero, self.n, self.internal = aero, modes.n, internal_states(model)
         moved = {a.control: a for a in model.actuators}
         check_control_terms(model, moved)
         self.plant = PlantRows(model, condition)
@@ -62,7 +62,7 @@ class ModelRows:
         units = model.modes.units
         self.displacements = [name + (f"_{unit}" if unit else "") for name, unit in zip(names, units)]
         self.rates = [f"{name}_rate" + (f"_{unit}_s" if unit else "_1_s") for name, unit in zip(names, units)]
-        states = [*self.displacements, *self.rates, *(f"lag_{j + 1}" for j in range(self.n_lag))]
+        states = [*self.displacements, *self.rates, *self.internal]
         self.act_at: list[int | None] = []
         for name, actuator in zip(self.controls, self.actuators):
             self.act_at.append(None if actuator is None else len(states))
@@ -206,7 +206,7 @@ class ModelRows:
     def _plant(self) -> None:
         """Accelerations and lags."""
         n, model = self.n, self.model
-        n_plant = 2 * n + self.n_lag
+        n_plant = 2 * n + len(self.internal)
         A = state_matrix(model, self.condition, keep=np.ones(n, dtype=bool))
         rows = np.zeros((self.knots, n_plant, self.n_col))
         rows[:, n:, :n_plant] = A[:, n:]

@@ -22,6 +22,7 @@ from aeroservo.structure.beam_elements import (
     stiffness_blocks,
     strain_shapes,
 )
+from aeroservo.structure.viscoelastic import relaxing
 
 __all__ = ["BeamMass", "BeamMatrices", "BeamModes", "SlenderBeam", "beam_matrices", "beam_modes", "modes"]
 
@@ -49,6 +50,8 @@ class BeamModes:
         twist about the axis, nose up [rad].
     torsion_share : ndarray, shape (n,)
         Torsion's part of the strain energy of bending plus torsion; 0 for rigid-body modes. [-]
+    bending_K, torsion_K : ndarray, shape (n, n)
+        Parts of K that EI and GJ hold; with that of a coupling they add up to it. [rad^2/s^2]
     """
 
     omega: Array
@@ -60,6 +63,8 @@ class BeamModes:
     slope: Array
     twist: Array
     torsion_share: Array
+    bending_K: Array
+    torsion_K: Array
 
     @property
     def M(self) -> Array:
@@ -129,9 +134,10 @@ def beam_modes(
     mesh, r = matrices.mesh, len(matrices.rigid_names)
     rigid = np.diag(1.0 / np.sqrt(np.diag(matrices.M)[:r]))[:, :n]
     omega, coordinates = _elastic_modes(matrices, n - rigid.shape[1])
-    share = _torsion_share(mesh, coordinates[r:])
+    share = _torsion_share(*_strain_parts(mesh, coordinates[r:]))
     coordinates = coordinates * _signs(mesh, matrices.x_cg, coordinates, share)
     coordinates = np.hstack([np.vstack([rigid, np.zeros((mesh.n_strain, rigid.shape[1]))]), coordinates])
+    parts = _strain_parts(mesh, coordinates[r:])
     motion = _motion(mesh, y, matrices.x_cg, coordinates)
     phi = np.zeros((y.size, 6, n))
     phi[:, 2:5] = motion
@@ -147,6 +153,8 @@ def beam_modes(
         slope=slope,
         twist=twist,
         torsion_share=np.concatenate([zeros, share]),
+        bending_K=parts[0],
+        torsion_K=parts[1],
     )
 
 
@@ -165,7 +173,8 @@ def modes(
     Returns
     -------
     model : ModalModel
-        M the unit matrix, K = diag(omega^2) with exact zeros for rigid-body modes, phi at `points`.
+        M the unit matrix, K = diag(omega^2) with exact zeros for rigid-body modes, phi at `points`; modes and K of a
+        viscoelastic beam are the instantaneous ones, what relaxes of K goes with them.
 
     Raises
     ------
@@ -183,7 +192,16 @@ def modes(
     ('heave', 'pitch', 'bending 1')
     """
     found = beam_modes(beam, n=n, points=points, elements=elements, degree=degree)
-    return ModalModel(M=found.M, D=np.zeros_like(found.M), K=found.K, names=found.names, phi=found.phi, grid=found.grid)
+    relaxes = () if beam.material is None else relaxing(found.bending_K, found.torsion_K, beam.material)
+    return ModalModel(
+        M=found.M,
+        D=np.zeros_like(found.M),
+        K=found.K,
+        names=found.names,
+        phi=found.phi,
+        grid=found.grid,
+        relaxing=relaxes,
+    )
 
 
 def _elastic_modes(matrices: BeamMatrices, n: int) -> tuple[Array, Array]:
@@ -214,16 +232,27 @@ def _elastic_modes(matrices: BeamMatrices, n: int) -> tuple[Array, Array]:
     return 1.0 / np.sqrt(mu), np.vstack([follow @ strain, strain])
 
 
-def _torsion_share(mesh: BeamMesh, strain: Array) -> Array:
-    """Torsion's part of the strain energies of bending and torsion, without that of their coupling."""
+def _strain_parts(mesh: BeamMesh, strain: Array) -> tuple[Array, Array]:
+    """Stiffness (n, n) of bending alone and of torsion alone against strain coordinates (n_strain, n)."""
     k = mesh.terms
     blocks = stiffness_blocks(mesh)
     parts = strain.reshape(len(blocks), 2, k, strain.shape[1])
     bending, torsion = (
-        np.einsum("ein,eij,ejn->n", parts[:, i], blocks[:, i * k : (i + 1) * k, i * k : (i + 1) * k], parts[:, i])
+        np.einsum(
+            "eim,eij,ejn->mn",
+            parts[:, i],
+            blocks[:, i * k : (i + 1) * k, i * k : (i + 1) * k],
+            parts[:, i],
+            optimize=True,
+        )
         for i in (0, 1)
     )
-    return np.asarray(torsion / (bending + torsion))
+    return bending, torsion
+
+
+def _torsion_share(bending: Array, torsion: Array) -> Array:
+    """Torsion's part of the strain energies of bending and torsion, without that of their coupling."""
+    return np.asarray(np.diag(torsion) / (np.diag(bending) + np.diag(torsion)))
 
 
 def _elastic_names(share: Array) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from aeroservo.datatypes import frozen
+from aeroservo.structure.viscoelastic import Viscoelastic
 
 Array = NDArray[np.float64]
 Root = Literal["clamped", "free"]
@@ -112,6 +113,8 @@ class SlenderBeam:
         Of a free root: heave and pitch free, or roll free.
     origin : array_like, shape (3,)
         Where the root of the flexural axis lies in geometry axes (origin of these: root leading edge). [m]
+    material : Viscoelastic, optional
+        How EI and GJ, which are then the instantaneous ones, relax; the coupling stays elastic.
 
     Raises
     ------
@@ -144,6 +147,7 @@ class SlenderBeam:
     root: Root = "clamped"
     symmetry: Symmetry = "symmetric"
     origin: Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    material: Viscoelastic | None = None
 
     def __post_init__(self) -> None:
         """Broadcast the properties over the stations, lock and check them."""
