@@ -86,8 +86,8 @@ class Controller:
             raise ValueError(f"delay_s must not be negative [s], got {self.delay_s}")
         if self.dt_s is None and (self.delay_s or points > 1 or any(self.limits) or np.any(self.windup)):
             raise ValueError(
-                "a continuous controller (dt_s null) cannot have delay_s, limits, windup or a schedule: they belong to the "
-                "computer that samples it; give it a sample time (dt_s)"
+                "a continuous controller (dt_s null) cannot have delay_s, limits, windup or a schedule: they belong "
+                "to the computer that samples it; give it a sample time (dt_s)"
             )
 
     @property
