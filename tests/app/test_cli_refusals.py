@@ -140,7 +140,8 @@ def test_modal_data_of_wrong_shape(cli: Cli, tmp_path: Path) -> None:
         (["--out", "x.txt"], ".json"),
         (["--fit-bound", "0"], "--fit-bound"),
         (["--fit-bound", "nan"], "--fit-bound"),
-        (["--controller", "c.json"], "--controller"),
+        (["--controller", "c.json"], "c.json"),
+        (["--controller", "c.json", "--method", "pk"], "--method"),
         (["--bogus"], "--bogus"),
     ],
 )

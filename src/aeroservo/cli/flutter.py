@@ -30,7 +30,7 @@ from aeroservo.cli.options import (
     condition_of,
     sweep_of,
 )
-from aeroservo.cli.output import heading, not_yet, number, print_json, table, write_json
+from aeroservo.cli.output import heading, number, print_json, table, write_json
 from aeroservo.cli.sensitivities import print_sensitivities, sensitivity_rows
 
 if TYPE_CHECKING:
@@ -95,11 +95,13 @@ def flutter(
         For bad input.
     """
     from aeroservo.aeroelastic.flutter import flutter as analyse
+    from aeroservo.control.closed_flutter import closed_flutter
+    from aeroservo.control.controller import read_controller
 
     checked_output(plot, PLOTS, "--plot")
     checked_output(out, (".json",), "--out")
-    if controller is not None:
-        not_yet("--controller (closing the loop)")
+    if controller is not None and (over or sensitivities or method not in (None, FlutterMethod.p)):
+        raise ValueError("--controller finds roots by p, at one model: leave out --over, --sensitivities, --method")
     if sensitivities and over:
         raise ValueError("--sensitivities and --over are two questions: ask one at a time")
     file, built, notes = load(model, aero, speeds)
@@ -111,14 +113,19 @@ def flutter(
         head |= {"method": type(chosen).__name__.lower(), "aero": theory, "speeds_m_s": [low, high, step]}
         run_boundary(head, file, over, sweep, chosen, aero=aero, out=out, plot=plot, as_json=as_json)
         return
-    found = analyse(built, sweep, chosen)
+    if controller is None:
+        found = analyse(built, sweep, chosen)
+    else:
+        found = closed_flutter(built, sweep, read_controller(controller), fit_bound=fit_bound)
     notes += found.warnings
     if found.fit is not None:
         tell_fit(found.fit.error)
     tell(notes)
     head = heading(file.name, altitude_of(altitude, density), float(sweep.rho[0]), notes)
     content = head | {"method": found.method, "aero": theory, "speeds_m_s": [low, high, step]} | speeds_content(found)
-    title = f"{file.name}: {found.method} method, air forces {theory}, {air(head)}"
+    if controller is not None:
+        content["controller"] = controller.name
+    title = f"{file.name}: {found.method} method, air forces {theory}, {air(head)}{_closed(content)}"
     if sensitivities:
         word = aero.value if aero else None
         content["sensitivities"] = sensitivity_rows(file, sweep, chosen, aero=word, plot=plot, title=title)
@@ -198,12 +205,17 @@ def _choice(
     return aero.value if aero else default.aero or _OWN.get(file.kind, "own"), methods[chosen]
 
 
+def _closed(content: dict[str, Any]) -> str:
+    """That the loop is closed, and by what."""
+    return f", loop closed by {content['controller']}" if "controller" in content else ""
+
+
 def _print_flutter(content: dict[str, Any]) -> None:
     """The result for people."""
     low, high, _step = content["speeds_m_s"]
     typer.echo(
         f"{content['model']}: {content['method']} method, air forces {content['aero']}, {air(content)}, "
-        f"{low:g} to {high:g} m/s"
+        f"{low:g} to {high:g} m/s{_closed(content)}"
     )
     if content["flutter_speed_m_s"] is None:
         typer.echo("flutter     none in this range")

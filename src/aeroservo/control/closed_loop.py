@@ -284,16 +284,14 @@ def controller_at(controller: Controller, pressure: Array | float | None = None)
     """
     stacks = controller.A, controller.B, controller.C, controller.D
     if len(controller.pressures) == 1:
-        return tuple(x[0] for x in stacks)  # type: ignore[return-value]
+        return tuple(x[0] for x in stacks)
     if pressure is None:
         raise ValueError("a controller with a schedule needs the dynamic pressure [Pa]")
     wanted = np.asarray(pressure, dtype=float)
     blend = controller.blend(wanted.ravel())
     left, weight = blend[:, 0].astype(int), blend[:, 1][:, None, None]
     right = np.minimum(left + 1, len(controller.pressures) - 1)
-    return tuple(  # type: ignore[return-value]
-        ((1.0 - weight) * x[left] + weight * x[right]).reshape(*wanted.shape, *x.shape[-2:]) for x in stacks
-    )
+    return tuple(((1.0 - weight) * x[left] + weight * x[right]).reshape(*wanted.shape, *x.shape[-2:]) for x in stacks)
 
 
 def roots(system: LinearSystem) -> Array:
