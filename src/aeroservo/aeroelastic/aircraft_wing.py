@@ -21,8 +21,7 @@ section carries its load on its own chord, which on a swept wing leaves the stre
 rolls 2.6 % less than in the lattice).
 
 Slopes are those of a uniform incidence, but those of the wing in roll, c_l_p/(cos(Lambda) y), where the root is free
-and the motion antisymmetric: the two halves then take more from each other (a third, for `thesis-uav`). A clamped half
-wing has the first, and the second in all that is about roll: its steady rate, effectiveness and reversal.
+and the motion antisymmetric (a third less, for `thesis-uav`), and in all that is about roll of a clamped half wing.
 
 What the strips do not have from the lattice: the aerodynamic centre is at the quarter chord everywhere; of dihedral
 only the developed length is kept. Loadings keep their shape as the wing deforms, which is good for aspect ratios above

@@ -29,9 +29,15 @@ from aeroservo.cli.output import heading, number, print_json, table, write, writ
 
 if TYPE_CHECKING:
     from aeroservo.aircraft.schema_other import StateSpaceFile
-    from aeroservo.datatypes import LinearSystem
+    from aeroservo.datatypes import AeroelasticModel, FlightCondition, LinearSystem
 
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the result, .json or .mat.")]
+CreepTo = Annotated[
+    float | None,
+    typer.Option(
+        "--creep-to", metavar="RATIO", help="Time until the tip twists so far per unit of incidence (viscoelastic)."
+    ),
+]
 Speed = Annotated[float | None, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
 
 
@@ -59,6 +65,12 @@ def modes(model: Model, *, plot: Plot = None, as_json: Json = False) -> None:
         "names": found.names,
         "generalized_mass": found.generalized_mass,
     }
+    slow = None
+    if built.modes.relaxing:
+        from aeroservo.aeroelastic.creep import relaxed
+
+        slow = natural_modes(relaxed(built).modes)
+        content["relaxed"] = {"frequencies_rad_s": slow.omega, "names": slow.names}
     tell(notes)
     if plot is not None:
         from aeroservo.report.figures import modes_figure
@@ -67,9 +79,16 @@ def modes(model: Model, *, plot: Plot = None, as_json: Json = False) -> None:
     if as_json:
         print_json(heading(file.name, warnings=notes) | content)
         return
-    typer.echo(f"{file.name}: modes without air")
+    typer.echo(f"{file.name}: modes without air{' (glassy: at once)' if slow else ''}")
     rows = [(n, w, f, m) for n, w, f, m in zip(found.names, map(float, found.omega), hertz, found.generalized_mass)]
     typer.echo(table(rows, ("mode", "rad/s", "Hz", "generalised mass")))
+    if slow is not None:
+        typer.echo("relaxed: in the long run")
+        typer.echo(
+            table(
+                [(n, w, w / (2.0 * math.pi)) for n, w in zip(slow.names, slow.omega.tolist())], ("mode", "rad/s", "Hz")
+            )
+        )
 
 
 def static(
@@ -79,6 +98,7 @@ def static(
     density: Density = None,
     speeds: Speeds = None,
     aero: Aero = None,
+    creep_to: CreepTo = None,
     plot: Plot = None,
     as_json: Json = False,
 ) -> None:
@@ -94,15 +114,24 @@ def static(
         MIN:MAX:STEP. [m/s]
     aero : AeroTheory, optional
         Air forces.
+    creep_to : float, optional
+        Twist of the tip per degree of incidence to which a viscoelastic wing creeps. [-]
     plot : Path, optional
         Figure against speed.
     as_json : bool
         As JSON.
+
+    Raises
+    ------
+    ValueError
+        For bad input.
     """
     from aeroservo.aeroelastic.static import static as analyse
 
     checked_output(plot, PLOTS, "--plot")
     file, built, notes = load(model, aero, speeds)
+    if creep_to is not None and not built.modes.relaxing:
+        raise ValueError(f"{file.name}: --creep-to needs a viscoelastic structure ([viscoelastic] in the model file)")
     sweep = condition_of(altitude, density, sweep_of(file, speeds))
     found = analyse(built, sweep)
     notes += found.warnings
@@ -117,6 +146,8 @@ def static(
         "effectiveness": {"speed_m_s": found.V, "value": found.effectiveness},
         "twist": {"speed_m_s": found.V, "value_rad": found.twist},
     }
+    viscous = _creep(built, sweep, creep_to) if built.modes.relaxing else {}
+    content |= {"viscoelastic": viscous} if viscous else {}
     if plot is not None:
         from aeroservo.report.figures import static_figure
 
@@ -128,12 +159,20 @@ def static(
     typer.echo(f"divergence  {number(found.divergence.V, 'm/s')}")
     quantity = f" of {found.reversal_quantity}" if found.reversal_quantity else ""
     typer.echo(f"reversal    {number(found.reversal.V, 'm/s')}{quantity}")
+    if viscous:
+        typer.echo("the structure relaxes: these are its speeds in the long run; at once (glassy) they are")
+        typer.echo(f"divergence  {number(viscous['glassy_divergence_speed_m_s'], 'm/s')}")
+        typer.echo(f"reversal    {number(viscous['glassy_reversal_speed_m_s'], 'm/s')}")
     rows = sorted({round(i * (found.V.size - 1) / 9) for i in range(10)})
     curves = (found.effectiveness, found.twist, found.trim_incidence, found.trim_twist)
     header = ("V, m/s", "effectiveness", "twist per incidence", "trim incidence, deg", "trim twist, deg")
     scales = (1.0, 1.0, math.degrees(1.0), math.degrees(1.0))
     cells = [[found.V[i], *(scale * curve[i] for scale, curve in zip(scales, curves))] for i in rows]
     typer.echo(table(cells, header))
+    if creep_to is not None:
+        times = viscous["creep"]["time_s"]
+        typer.echo(f"time until the tip twists {creep_to:g} per unit of root incidence (0: at once, -: never)")
+        typer.echo(table([(found.V[i], times[i]) for i in rows], ("V, m/s", "s")))
 
 
 def linearize(
@@ -211,6 +250,24 @@ def linearize(
     typer.echo(f"{file.name}: {len(system.states)} states at {speed:g} m/s, {air(head)}")
     typer.echo(f"states   {', '.join(system.states)}\ninputs   {', '.join(system.inputs)}")
     typer.echo(f"outputs  {', '.join(system.outputs)}")
+
+
+def _creep(model: AeroelasticModel, sweep: FlightCondition, twist: float | None) -> dict[str, Any]:
+    """Speeds of the glassy and the relaxed wing, and times to a twist."""
+    from aeroservo.aeroelastic.creep import creep_speeds, creep_time
+
+    found = creep_speeds(model, sweep[0])
+    content: dict[str, Any] = {
+        "glassy_divergence_speed_m_s": found.glassy_divergence.V,
+        "relaxed_divergence_speed_m_s": found.relaxed_divergence.V,
+        "glassy_reversal_speed_m_s": found.glassy_reversal.V,
+        "relaxed_reversal_speed_m_s": found.relaxed_reversal.V,
+    }
+    if twist is not None:
+        times = creep_time(model, sweep, twist=twist)
+        reached = [float(t) if math.isfinite(t) else None for t in times]
+        content["creep"] = {"twist_per_incidence": twist, "speed_m_s": sweep.V, "time_s": reached}
+    return content
 
 
 def _at_its_own(file: StateSpaceFile, option: str, asked: float | None, field: str) -> float:
