@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -31,6 +32,23 @@ if TYPE_CHECKING:
     from aeroservo.simulate.engine import Simulation
     from aeroservo.simulate.profiles import Profile
 
+
+class Spectrum(StrEnum):
+    """Words of `--spectrum`."""
+
+    dryden = "dryden"
+    von_karman = "von_karman"
+    dryden_blockset = "dryden_blockset"
+    von_karman_blockset = "von_karman_blockset"
+
+
+class Specification(StrEnum):
+    """Words of `--specification`."""
+
+    mil_f_8785c = "MIL-F-8785C"
+    mil_hdbk_1797 = "MIL-HDBK-1797"
+
+
 Speed = Annotated[float | None, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
 ProfileName = Annotated[
     str | None, typer.Option("--profile", metavar="climb", help="15 m/s at sea level to 130 m/s at 3,048 m in 115 s.")
@@ -44,6 +62,15 @@ Gusts = Annotated[
 ]
 Turbulent = Annotated[
     str | None, typer.Option("--turbulence", metavar="LEVEL", help="light, moderate, severe, or an RMS in m/s.")
+]
+TurbulenceSpectrum = Annotated[
+    Spectrum | None,
+    typer.Option(
+        "--spectrum", help="Of --turbulence (default dryden); ..._blockset: the Aerospace Blockset's defaults."
+    ),
+]
+Specified = Annotated[
+    Specification | None, typer.Option("--specification", help="Whose scale lengths (default MIL-F-8785C).")
 ]
 Initial = Annotated[
     list[str] | None,
@@ -66,6 +93,8 @@ def simulate(
     duration: Duration = None,
     gust: Gusts = None,
     turbulence: Turbulent = None,
+    spectrum: TurbulenceSpectrum = None,
+    specification: Specified = None,
     controller: Controller = None,
     initial: Initial = None,
     seed: Seed = 0,
@@ -93,6 +122,10 @@ def simulate(
         Discrete gusts.
     turbulence : str, optional
         Severity or RMS.
+    spectrum : Spectrum, optional
+        Of the turbulence.
+    specification : Specification, optional
+        Of its scale lengths.
     controller : Path, optional
         Controller file that closes the loop.
     initial : list of str, optional
@@ -130,7 +163,7 @@ def simulate(
     file = read(model)
     plant, flown, notes = _flown(file, speed, profile, altitude, density, aero, fit_bound)
     gusts = tuple(parse_gust(text) for text in gust or ())
-    weather = None if turbulence is None else _weather(turbulence)
+    weather = _weather(turbulence, spectrum, specification)
     start = tuple(_initial(text) for text in initial or ())
     if not (gusts or weather or start):
         start = ((_first_state(plant), KICK),)
@@ -153,9 +186,9 @@ def simulate(
     if out is not None:
         write(out, history_bytes(found.history, out.suffix))
     if plot is not None:
-        from aeroservo.report.history import history_figure
+        from aeroservo.report.gust_figures import flight_figure
 
-        draw(plot, history_figure(found.history, f"{file.name}: time history"))
+        draw(plot, flight_figure(found.history, scenario, f"{file.name}: time history"))
     height = None if flown.moving else (float(flown.altitude[0]) if flown.altitude is not None else None)
     air = None if flown.moving else float(flown.condition(0.0).rho)
     if as_json:
@@ -213,18 +246,27 @@ def _linear(
     return system, level(m.speed_m_s, altitude=m.altitude_m), list(file.problems())
 
 
-def _weather(text: str) -> Gustiness:
-    """Severity or RMS."""
+def _weather(text: str | None, spectrum: Spectrum | None, specification: Specification | None) -> Gustiness | None:
+    """Severity or RMS, spectrum and specification."""
     from aeroservo.simulate.disturbances import Gustiness
 
+    if text is None:
+        if spectrum is not None or specification is not None:
+            raise ValueError("--spectrum and --specification are of --turbulence LEVEL: give that too")
+        return None
     try:
-        return Gustiness(level=float(text))
-    except ValueError as error:
-        if text in ("light", "moderate", "severe"):
-            return Gustiness(level=text)  # type: ignore[arg-type]
-        if "turbulence" in str(error):
-            raise
-        raise ValueError(f"--turbulence must be light, moderate, severe or an RMS [m/s], got {text[:40]!r}") from None
+        level: Any = float(text)
+    except ValueError:
+        level = text
+        if text not in ("light", "moderate", "severe"):
+            raise ValueError(
+                f"--turbulence must be light, moderate, severe or an RMS [m/s], got {text[:40]!r}"
+            ) from None
+    return Gustiness(
+        level=level,
+        model=(spectrum or Spectrum.dryden).value,
+        specification=(specification or Specification.mil_f_8785c).value,
+    )
 
 
 def _initial(text: str) -> tuple[str, float]:

@@ -21,7 +21,7 @@ from aeroservo.gust.dryden import Component, dryden_core, dryden_psd, rate_lengt
 from aeroservo.gust.intensity import Turbulence
 from aeroservo.gust.vonkarman import blockset_core, von_karman_core, von_karman_psd
 
-__all__ = ["Model", "RateSigns", "component_psd", "cs25_turbulence", "shaping_filter"]
+__all__ = ["Model", "RateSigns", "component_psd", "cs25_turbulence", "shaping_filter", "vertical_filter"]
 
 Array = NDArray[Any]
 Model = Literal["dryden", "von_karman", "von_karman_blockset"]
@@ -178,6 +178,52 @@ def shaping_filter(
     if span is not None:
         blocks.append(_roll_rate(state, V, span))
     return _assemble(blocks, batch, span is not None)
+
+
+def vertical_filter(state: Turbulence, V: ArrayLike, *, model: Model = "dryden") -> LinearSystem:
+    """Filter of the vertical gust alone, positive UP: what a symmetric gust column of air forces takes.
+
+    Parameters
+    ----------
+    state : Turbulence
+        Intensities and lengths; leading axes broadcast with V.
+    V : array_like, shape (...)
+        True airspeed, positive. [m/s]
+    model : {"dryden", "von_karman", "von_karman_blockset"}
+        As in `shaping_filter`.
+
+    Returns
+    -------
+    system : LinearSystem
+        Input noise_w, unit white; output gust_m_s. [m/s]
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown or an argument outside its range.
+
+    References
+    ----------
+    As `shaping_filter`; equations.md, "Conventions": gust w_g positive UP (the specification's w is down).
+
+    Examples
+    --------
+    >>> from aeroservo.gust.intensity import constant_turbulence
+    >>> vertical_filter(constant_turbulence(1.0), 50.0).states
+    ('x_w1', 'x_w2')
+    """
+    full = shaping_filter(state, V, model=model)
+    own = [i for i, name in enumerate(full.states) if name.startswith("x_w")]
+    noise, row = [full.inputs.index("noise_w")], [full.outputs.index("w_g_m_s")]
+    return LinearSystem(
+        A=full.A[..., own, :][..., own],
+        B=full.B[..., own, :][..., noise],
+        C=-full.C[..., row, :][..., own],
+        D=full.D[..., row, :][..., noise],
+        states=tuple(full.states[i] for i in own),
+        inputs=("noise_w",),
+        outputs=("gust_m_s",),
+    )
 
 
 Matrices = tuple[Array, Array, Array]

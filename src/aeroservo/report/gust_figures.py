@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from aeroservo.datatypes import Array
     from aeroservo.simulate.history import TimeHistory
+    from aeroservo.simulate.scenario import Scenario
     from aeroservo.studies.gust_loads import GustLoads
     from aeroservo.studies.turbulence_spectra import TurbulenceSpectra
 
@@ -181,39 +182,38 @@ def spectrum_figure(found: TurbulenceSpectra, title: str) -> Figure:
     return figure
 
 
-def turbulent_history_figure(
-    history: TimeHistory, title: str, *, frequency: Array, analytic: Array, measured: Array
-) -> Figure:
-    """A time history in turbulence with the spectrum of the gust that the run met, and the analytic curve.
+def flight_figure(history: TimeHistory, scenario: Scenario, title: str) -> Figure:
+    """A time history; in turbulence at one speed, the spectrum of the gust that was met and the analytic curve below.
 
     Parameters
     ----------
     history : TimeHistory
         The run.
+    scenario : Scenario
+        What was run.
     title : str
         Above the panels.
-    frequency : ndarray, shape (n_f,)
-        Of both spectra, positive. [Hz]
-    analytic, measured : ndarray, shape (n_f,)
-        Of the specification, and of the run. [(m/s)^2/Hz]
 
     Returns
     -------
     figure : matplotlib Figure
-        The panels of `history_figure` and one more.
+        The panels of `history_figure`, and one more where there is a spectrum to compare with.
     """
-    figure = history_figure(history, title)
-    rows = len(figure.axes)
-    width, height = figure.get_size_inches()
-    figure.set_size_inches(width, height * (rows + 1.6) / rows)
-    grid = figure.add_gridspec(rows + 1, 1, height_ratios=[1.0] * rows + [1.6])
-    for i, old in enumerate(figure.axes):
-        old.set_subplotspec(grid[i])
-    ax = figure.add_subplot(grid[rows])
-    ax.grid(visible=True, linewidth=0.3)
-    ax.loglog(frequency, measured, color=style(0)["color"], linewidth=0.8, label="gust of this run")
-    ax.loglog(frequency, analytic, color="black", linewidth=1.6, label="specification")
+    from aeroservo.studies.turbulence_spectra import met_spectrum
+
+    found = met_spectrum(history, scenario)
+    if found is None:
+        return history_figure(history, title)
+    from aeroservo.report.history import shown_panels
+
+    rows = len(shown_panels(history))
+    figure = new_figure(title, rows + 1, 1, width=7.0, height=1.9)
+    history_figure(history, title, axes=figure.axes[:rows])
+    ax = figure.axes[rows]
+    ax.loglog(found.frequency, found.measured, color=style(0)["color"], linewidth=0.8, label="gust of this run")
+    ax.loglog(found.frequency, found.analytic, color="black", linewidth=1.6, label="specification")
+    ax.set_ylim(bottom=0.1 * float(found.analytic.min()))
     ax.set_xlabel("frequency, Hz")
-    ax.set_ylabel(r"$\Phi_w$, (m/s)$^2$/Hz", fontsize="small")
+    ax.set_ylabel(r"gust, (m/s)$^2$/Hz", fontsize="small")
     ax.legend(fontsize="small", frameon=False, loc="lower left")
     return figure

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -49,7 +50,30 @@ def plot_channel(history: TimeHistory, channel: str, ax: Axes, *, label: str = "
         ax.axvline(event.t, color="black", linewidth=0.8, linestyle=":")
 
 
-def history_figure(history: TimeHistory, title: str) -> Figure:
+def shown_panels(history: TimeHistory) -> list[str]:
+    """Channels that have a panel: the usual ones that are there and move; of other models their own coordinates.
+
+    Parameters
+    ----------
+    history : TimeHistory
+        The run.
+
+    Returns
+    -------
+    channels : list of str
+        Names, from the top.
+    """
+    named = [name for name, _, _ in PANELS]
+    shown = [
+        name for name in named if name in history.channels and (np.ptp(history[name]) > 0.0 or name == "pitch_rad")
+    ]
+    if not {"plunge_m", "pitch_rad"} & set(shown):
+        others = [c for c in history.channels if "_rate" not in c and c not in named and "command" not in c]
+        shown = others[:4] + shown
+    return shown
+
+
+def history_figure(history: TimeHistory, title: str, *, axes: Sequence[Axes] | None = None) -> Figure:
     """A panel for each of the usual channels that are there and move; for other models their own coordinates.
 
     Parameters
@@ -58,6 +82,8 @@ def history_figure(history: TimeHistory, title: str) -> Figure:
         The run.
     title : str
         Above the panels.
+    axes : sequence of matplotlib Axes, optional
+        To draw into, one for each of `shown_panels`; default a new figure.
 
     Returns
     -------
@@ -65,14 +91,10 @@ def history_figure(history: TimeHistory, title: str) -> Figure:
         Time in seconds to the right; events as dotted lines, named below.
     """
     named = {name: (label, factor) for name, label, factor in PANELS}
-    shown = [
-        name for name in named if name in history.channels and (np.ptp(history[name]) > 0.0 or name == "pitch_rad")
-    ]
-    if not {"plunge_m", "pitch_rad"} & set(shown):
-        others = [c for c in history.channels if "_rate" not in c and c not in named and "command" not in c]
-        shown = others[:4] + shown
-    figure = new_figure(title, len(shown), 1, width=7.0, height=1.7)
-    axes = figure.axes
+    shown = shown_panels(history)
+    if axes is None:
+        axes = new_figure(title, len(shown), 1, width=7.0, height=1.7).axes
+    figure: Any = axes[0].figure
     for ax, name in zip(axes, shown):
         label, factor = named.get(name, ("", 1.0))
         plot_channel(history, name, ax, label=label, factor=factor)

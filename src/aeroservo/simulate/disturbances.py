@@ -8,13 +8,17 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from aeroservo.datatypes import Array, FlightCondition
+from aeroservo.datatypes import Array, FlightCondition, LinearSystem
 from aeroservo.gust.dryden import time_scale
-from aeroservo.gust.intensity import Turbulence, constant_turbulence, turbulence
+from aeroservo.gust.intensity import Specification, Turbulence, constant_turbulence, turbulence
 from aeroservo.gust.sampling import DiscreteNoise, discretise
-from aeroservo.gust.turbulence import shaping_filter
+from aeroservo.gust.turbulence import Model, vertical_filter
 
 Severity = Literal["light", "moderate", "severe"]
+Spectrum = Literal["dryden", "von_karman", "dryden_blockset", "von_karman_blockset"]
+
+BLOCKSET_STEP = 0.1
+"""Noise sample time of the Aerospace Blockset's turbulence blocks. [s]"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,48 +100,68 @@ class Gustiness:
     ----------
     level : float or {"light", "moderate", "severe"}
         RMS with L = 533.4 m at every height, or the tables along the flight. [m/s]
-    model : {"dryden", "von_karman"}
-        Spectrum.
+    model : {"dryden", "von_karman", "dryden_blockset", "von_karman_blockset"}
+        Spectrum. The last two are the Aerospace Blockset's defaults, for comparison only: its filters from rest, driven
+        by noise that is held for 0.1 s, which leaves nothing at 10 Hz.
+    specification : {"MIL-F-8785C", "MIL-HDBK-1797"}
+        Whose convention of lengths; the spectra are the same.
     """
 
     level: float | Severity
-    model: Literal["dryden", "von_karman"] = "dryden"
+    model: Spectrum = "dryden"
+    specification: Specification = "MIL-F-8785C"
 
     def __post_init__(self) -> None:
-        """Check the level."""
+        """Check the level and the names."""
         if isinstance(self.level, str):
             if self.level not in get_args(Severity):
                 raise ValueError(f"turbulence must be light, moderate, severe or an RMS [m/s], got {self.level!r}")
         elif not (math.isfinite(self.level) and self.level >= 0.0):
             raise ValueError(f"turbulence RMS must not be negative [m/s], got {self.level}")
+        for name, known in (("model", Spectrum), ("specification", Specification)):
+            if getattr(self, name) not in get_args(known):
+                raise ValueError(
+                    f"turbulence {name} must be one of {', '.join(get_args(known))}, got {getattr(self, name)!r}"
+                )
+
+    @property
+    def noise_step(self) -> float | None:
+        """Time for which the noise is held; None where the samples are exact. [s]"""
+        return BLOCKSET_STEP if self.model.endswith("_blockset") else None
+
+    @property
+    def filter(self) -> Model:
+        """Name of the shaping filter. [-]"""
+        return "dryden" if self.model == "dryden_blockset" else self.model
 
     def state(self, altitude: Array) -> Turbulence:
         """Intensities and lengths at altitudes (...), shape (..., 3). [m/s, m]"""
         if isinstance(self.level, str):
-            return turbulence(altitude, severity=self.level, spectrum=self.model)
-        return constant_turbulence(self.level)
+            spectrum: Literal["dryden", "von_karman"] = "dryden" if self.filter == "dryden" else "von_karman"
+            return turbulence(altitude, severity=self.level, spectrum=spectrum, specification=self.specification)
+        if not np.all(np.asarray(altitude) >= 0.0):
+            raise ValueError(f"altitude must not be below ground, 0 [m], got {np.min(altitude):g}")
+        return constant_turbulence(self.level, specification=self.specification)
 
     def filters(self, condition: FlightCondition, altitude: Array, dt: float) -> DiscreteNoise:
         """Exact recursions of the upward gust w_g at conditions (m,), for one step dt [s]. [m/s]"""
-        full = shaping_filter(self.state(altitude), condition.V, model=self.model)
-        state = [i for i, name in enumerate(full.states) if name.startswith("x_w")]
-        noise = [i for i, name in enumerate(full.inputs) if name == "noise_w"]
-        row = [i for i, name in enumerate(full.outputs) if name == "w_g_m_s"]
-        names = tuple(full.states[i] for i in state)
-        from aeroservo.datatypes import LinearSystem
+        return discretise(self._continuous(condition, altitude), dt)
 
-        return discretise(
-            LinearSystem(
-                A=full.A[..., state, :][..., state],
-                B=full.B[..., state, :][..., noise],
-                C=-full.C[..., row, :][..., state],  # w of the specification is down
-                D=full.D[..., row, :][..., noise],
-                states=names,
-                inputs=("noise_w",),
-                outputs=("gust_m_s",),
-            ),
-            dt,
-        )
+    def held_drive(self, condition: FlightCondition, altitude: Array, dt: float) -> Array:
+        """Effect of noise held over one step dt [s] on the states of `filters`, in the first column (m, n, n). [SI]"""
+        system = self._continuous(condition, altitude)
+        n = len(system.states)
+        both = np.zeros((*system.A.shape[:-2], n + 1, n + 1))
+        both[..., :n, :n], both[..., :n, n:] = system.A * dt, system.B * dt
+        from scipy.linalg import expm
+
+        drive = np.zeros(system.A.shape)
+        drive[..., 0] = expm(both)[..., :n, n]
+        return drive
+
+    def _continuous(self, condition: FlightCondition, altitude: Array) -> LinearSystem:
+        """Shaping filters of the upward gust at conditions (m,)."""
+        return vertical_filter(self.state(altitude), condition.V, model=self.filter)
 
     def correlation_time(self, condition: FlightCondition, altitude: Array) -> float:
         """Shortest time scale L/V of the vertical component over conditions (m,). [s]"""

@@ -9,8 +9,10 @@ import numpy as np
 
 from aeroservo.control.controller import Controller
 from aeroservo.datatypes import AeroelasticModel, Array, LinearSystem
+from aeroservo.gust.discrete import check_sampling
 from aeroservo.simulate._kernels import CLIP, PLAY
 from aeroservo.simulate.assemble import Stepper, linear_stepper, stepper
+from aeroservo.simulate.disturbances import CosineGust
 from aeroservo.simulate.profiles import Profile
 from aeroservo.simulate.scenario import Prepared, Scenario, Stepping, start_state
 from aeroservo.simulate.state import RunState
@@ -66,6 +68,9 @@ def prepare(model: AeroelasticModel | LinearSystem, scenario: Scenario, stepping
         s = stepper(model, scenario.profile.condition(0.0), inside)
     check_names(s, scenario)
     dt, period, computing, notes = base_grid(s, controller, stepping)
+    for gust in scenario.gusts:
+        if isinstance(gust, CosineGust):
+            check_sampling(gust.length, scenario.profile.V, dt)
     moving = scenario.profile.moving and not isinstance(model, LinearSystem)
     knots = np.zeros((0, 0, 0)) if moving else s.rows(scenario.profile.condition(np.zeros(1)))
     per_knot = spacing(s, scenario.profile, dt) if moving else 1
@@ -114,8 +119,13 @@ def check_names(s: Stepper, scenario: Scenario) -> None:
     """
     if (scenario.gusts or scenario.turbulence) and not s.inputs:
         raise ValueError("the model has no gust input: its air forces have no gust column")
-    if scenario.turbulence is not None and np.ptp(s.offsets):
-        raise ValueError("turbulence over several gust zones at different places is not there yet")
+    weather, profile = scenario.turbulence, scenario.profile
+    if weather is not None and isinstance(weather.level, str) and profile.altitude is None:
+        raise ValueError(
+            f"turbulence {weather.level!r} goes by altitude, and there is only a density: give an RMS [m/s]"
+        )
+    if weather is not None and profile.altitude is not None:
+        weather.state(profile.altitude)  # refuses what lies below ground or above the tables
     if scenario.doublets and not s.commands:
         raise ValueError("the model has no control for a doublet")
     start_state(s, scenario)

@@ -9,6 +9,7 @@ from aeroservo.datatypes import Array, LinearSystem
 from aeroservo.simulate import _kernels
 from aeroservo.simulate.disturbances import CosineGust, SharpGust
 from aeroservo.simulate.scenario import Prepared, start_state
+from aeroservo.simulate.stream import TurbulenceStream
 
 
 class RunState:
@@ -31,7 +32,10 @@ class RunState:
         self.statistics = np.zeros((4, n_y))
         turbulent, sensors = np.random.SeedSequence(seed).spawn(2)
         self.turbulent, self.sensors = np.random.default_rng(turbulent), np.random.default_rng(sensors)
-        self.filter: Array | None = None
+        weather = p.scenario.turbulence
+        self.stream = None
+        if weather is not None:
+            self.stream = TurbulenceStream(weather, p.scenario.profile, p.dt, s.offsets, self.turbulent)
         sampled = c is not None and c.dt_s is not None
         self.sampled = c if sampled else None
         n_in, n_out = (len(c.inputs), len(c.outputs)) if c is not None and sampled else (0, 0)
@@ -46,6 +50,7 @@ class RunState:
         self.xc, self.latest = np.zeros(n_c), np.zeros(n_out)
         self.ring = np.zeros((int(self.delays.max(initial=0)) + 1, max(n_in, 1)))
         self.queue = np.zeros((p.computing + 1, max(n_out, 1)))
+        self._adaptation()
         self.pipe_delays = np.round(s.delays_s / p.dt).astype(np.int64)
         self.pipe = np.zeros((int(self.pipe_delays.max(initial=0)) + 1, max(n_s // 2, 1)))
         self.commands = np.zeros(n_s)
@@ -84,6 +89,28 @@ class RunState:
         below = np.concatenate([c.C, c.D, np.zeros((len(c.pressures), n_out, n_out))], axis=2)
         self.ctrl = np.ascontiguousarray(np.concatenate([above, below], axis=1))
 
+    def _adaptation(self) -> None:
+        """State of the identification, empty where nothing adapts; `adapted` collects what it said at each sample."""
+        a = self.p.scenario.adaptation
+        self.adapted: list[Array] = []
+        self.gain = np.array([1.0, 0.0])
+        if a is None or self.sampled is None:
+            none = np.zeros((0, 0))
+            self.adaptive = (np.zeros((1, 0, 0)), np.zeros(11), np.zeros((2, 0, 0)), np.zeros((1, 0, 0)),
+                             np.zeros(0, np.bool_), none)  # fmt: skip
+            self.fx, self.root, self.theta, self.spread = np.zeros(0), none, none.copy(), np.zeros(1)
+            self.block, self.pile = none.copy(), np.zeros((0, 0, 0))
+            return
+        n, m = a.start.shape
+        watch = np.ascontiguousarray(
+            np.concatenate([np.concatenate([a.watch.A, a.watch.B], 2), np.concatenate([a.watch.C, a.watch.D], 2)], 1)
+        )
+        bounds = np.stack([a.lower, a.upper])
+        self.adaptive = watch, a.numbers, bounds, np.array(a.shares), np.array(a.scaled), np.array(a.dither)
+        self.fx, self.theta, self.spread = np.zeros(a.watch.A.shape[-1]), np.array(a.start), np.zeros(m + 1)
+        self.block, self.pile = np.zeros((n, m)), np.zeros((m, n, n))
+        self.root = np.sqrt(a.numbers[1] / n) * np.eye(n)
+
     def advance(
         self, start: int, n: int, every: int, record: Array, trace: Array, *, substeps: int | None = None
     ) -> tuple[int, int, int, int]:
@@ -98,6 +125,8 @@ class RunState:
         cosines = [g for g in p.scenario.gusts if isinstance(g, CosineGust)]
         pulses = [[g.amplitude, float(profile.distance(g.start)), g.length] for g in cosines]
         weights, noise, first = self._samples(start, n)
+        adapted = np.zeros((len(weights), 2 * self.theta.size + 2) if self.theta.size else (0, 0))
+        self.adapted.append(adapted)
         return _kernels.run(
             knots, p.per_knot, s.sizes, s.elements.kinds, s.elements.parameters, self.memory, s.stops, p.exact,
             substeps or p.substeps, p.dt, start, n,
@@ -106,6 +135,7 @@ class RunState:
             self.ctrl, self.ctrl_sizes, weights, self.rows, self.delays, self.quanta, noise, self.limits, self.map,
             p.period, p.computing, first, self.xc, self.ring, self.latest, self.queue, self.pipe, self.pipe_delays,
             s.gains, s.command_limits, self.commands,
+            *self.adaptive, self.gain, self.fx, self.root, self.theta, self.spread, self.block, self.pile, adapted,
             self.limit_rows, self.limit_values, self.statistics, every, record, trace,
         )  # fmt: skip
 
@@ -162,27 +192,6 @@ class RunState:
             if isinstance(gust, SharpGust):
                 met = float(p.scenario.profile.distance(gust.start)) + p.stepper.offsets
                 held += gust.amplitude * (way[:, None] >= met - 1e-9 * np.maximum(1.0, np.abs(met)))
-        if p.scenario.turbulence is not None:
-            held += self._turbulence(t[:-1])[:, None]
+        if self.stream is not None:
+            held += self.stream.at(t[:-1])
         return held
-
-    def _turbulence(self, t: Array) -> Array:
-        """Turbulence, going on where the last piece ended; filters are held for 0.1 s along a changing flight."""
-        p = self.p
-        assert p.scenario.turbulence is not None
-        hold = max(1, round(0.1 / p.dt)) if p.scenario.profile.moving else len(t)
-        at = t[::hold]
-        altitude = np.zeros(len(at))
-        if p.scenario.profile.altitude is not None:
-            altitude = np.interp(at, p.scenario.profile.t, p.scenario.profile.altitude)
-        noise = p.scenario.turbulence.filters(p.scenario.profile.condition(at), altitude, p.dt)
-        if self.filter is None:
-            P = noise.P[0]
-            value, vector = np.linalg.eigh(P)
-            root = vector * np.sqrt(np.maximum(value, 0.0))
-            self.filter = root @ self.turbulent.standard_normal(len(P))
-        out = np.zeros(len(t))
-        drive = self.turbulent.standard_normal((len(t), len(self.filter)))
-        Ad, Ld, C = (np.ascontiguousarray(x) for x in (noise.Ad, noise.Ld, noise.C))
-        _kernels.coloured(Ad, Ld, C, hold, 0, self.filter, drive, out)
-        return out

@@ -30,7 +30,7 @@ from aeroservo.gust.design_gusts import (
 from aeroservo.gust.intensity import Turbulence, constant_turbulence
 from aeroservo.gust.pulse import PulsePeaks, pulse_peaks
 from aeroservo.gust.response import frequency_grid, frequency_response, rms_from_frequency_response, rms_response
-from aeroservo.gust.turbulence import Model, component_psd, shaping_filter
+from aeroservo.gust.turbulence import Model, component_psd, vertical_filter
 from aeroservo.studies.gust_plant import GustPlant
 
 Design = Literal["unit", "cs25", "cs23"]
@@ -227,12 +227,8 @@ def turbulence_rms(
     ValueError
         If the plant is unstable.
     """
-    full = shaping_filter(state, plant.V, model=model)
-    row, m = full.outputs.index("w_g_m_s"), plant.B.shape[1]
-    own = [i for i, name in enumerate(full.states) if name.startswith("x_w")]
-    noise = [full.inputs.index("noise_w")]
-    upward = -full.C[row, own]  # w of the specification is down
-    shaping = (full.A[np.ix_(own, own)], full.B[np.ix_(own, noise)], np.tile(upward, (m, 1)), np.zeros((m, 1)))
+    gust, m = vertical_filter(state, plant.V, model=model), plant.B.shape[1]
+    shaping = (gust.A, gust.B, np.tile(gust.C, (m, 1)), np.zeros((m, 1)))
     finite = ~np.any(plant.rate != 0.0, axis=1)
     A, B, C, D = plant.A, plant.B, plant.C[finite], plant.D[finite]
     rms, by_frequency = (np.full(len(plant.outputs), np.nan) for _ in range(2))

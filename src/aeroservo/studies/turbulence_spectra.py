@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aeroservo.datatypes import Array, LinearSystem
+from aeroservo.datatypes import Array
 from aeroservo.gust.intensity import Turbulence
 from aeroservo.gust.records import held_noise_attenuation, turbulence_record
 from aeroservo.gust.response import frequency_response
 from aeroservo.gust.sampling import discrete_psd, discretise
-from aeroservo.gust.turbulence import Model, component_psd, shaping_filter
+from aeroservo.gust.turbulence import Model, component_psd, vertical_filter
+from aeroservo.simulate.disturbances import BLOCKSET_STEP
 
 if TYPE_CHECKING:
     from aeroservo.simulate.history import TimeHistory
+    from aeroservo.simulate.scenario import Scenario
     from aeroservo.studies.gust_plant import GustPlant
-
-#: Noise sample time of the Aerospace Blockset's turbulence blocks. [s]
-BLOCKSET_STEP = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,9 +85,9 @@ def turbulence_spectra(
     from scipy.signal import welch
 
     f = np.geomspace(0.01, min(100.0, 0.45 / dt), 500)
-    noise = discretise(vertical_filter(state, V, model), dt)
+    noise = discretise(vertical_filter(state, V, model=model), dt)
     held = held_noise_attenuation(2.0 * np.pi * f, BLOCKSET_STEP)
-    theirs = vertical_filter(state, V, "dryden" if model == "dryden" else "von_karman_blockset")
+    theirs = vertical_filter(state, V, model="dryden" if model == "dryden" else "von_karman_blockset")
     H = frequency_response((theirs.A, theirs.B, theirs.C, theirs.D), 2.0 * np.pi * f)[:, 0, 0]
     per_hertz = 2.0 * np.pi
     curves = {
@@ -115,37 +114,6 @@ def turbulence_spectra(
         measured_analytic=np.array([exact[mask].mean() for mask in bands]),
         seeds=seeds,
         duration=duration,
-    )
-
-
-def vertical_filter(state: Turbulence, V: float, model: Model = "dryden") -> LinearSystem:
-    """Shaping filter of the vertical component alone, positive UP.
-
-    Parameters
-    ----------
-    state : Turbulence
-        One state.
-    V : float
-        True airspeed. [m/s]
-    model : {"dryden", "von_karman", "von_karman_blockset"}
-        Filter.
-
-    Returns
-    -------
-    system : LinearSystem
-        From unit white noise to `gust_m_s`.
-    """
-    full = shaping_filter(state, V, model=model)
-    own = [i for i, name in enumerate(full.states) if name.startswith("x_w")]
-    noise, row = [full.inputs.index("noise_w")], [full.outputs.index("w_g_m_s")]
-    return LinearSystem(
-        A=full.A[np.ix_(own, own)],
-        B=full.B[np.ix_(own, noise)],
-        C=-full.C[np.ix_(row, own)],
-        D=np.zeros((1, 1)),
-        states=tuple(full.states[i] for i in own),
-        inputs=("noise_w",),
-        outputs=("gust_m_s",),
     )
 
 
@@ -178,25 +146,51 @@ def response_spectra(plant: GustPlant, state: Turbulence, model: Model = "dryden
     return omega / (2.0 * np.pi), np.abs(total) ** 2 * spectrum[:, None]
 
 
-def measured_gust_spectrum(history: TimeHistory, channel: str = "gust_m_s") -> tuple[Array, Array]:
-    """Spectrum of the gust that a run met.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MetSpectrum:
+    """Spectrum of the gust that a run met, and that of the specification.
+
+    Attributes
+    ----------
+    frequency : ndarray, shape (n_f,)
+        Positive. [Hz]
+    measured : ndarray, shape (n_f,)
+        Welch's averages over eighths of the run. [(m/s)^2/Hz]
+    analytic : ndarray, shape (n_f,)
+        Of the specification. [(m/s)^2/Hz]
+    """
+
+    frequency: Array
+    measured: Array
+    analytic: Array
+
+
+def met_spectrum(history: TimeHistory, scenario: Scenario) -> MetSpectrum | None:
+    """Spectrum of the turbulence in a run beside the curve of the specification.
 
     Parameters
     ----------
     history : TimeHistory
-        With the channel, at equal steps.
-    channel : str
-        Which.
+        With the channel `gust_m_s`.
+    scenario : Scenario
+        What was run.
 
     Returns
     -------
-    frequency : ndarray, shape (n_f,)
-        Without 0. [Hz]
-    density : ndarray, shape (n_f,)
-        Welch's averages over eighths of the run. [(m/s)^2/Hz]
+    spectrum : MetSpectrum or None
+        None where there is no one spectrum: no turbulence, discrete gusts in it, a changing flight, or a short run.
     """
     from scipy.signal import welch
 
+    weather, flight, channel = scenario.turbulence, scenario.profile, "gust_m_s"
+    if weather is None or weather.level == 0.0 or scenario.gusts or flight.moving or channel not in history.channels:
+        return None
+    if len(history.t) < 256:
+        return None
     w, step = history[channel], float(history.t[1] - history.t[0])
-    f, power = welch(w, fs=1.0 / step, nperseg=max(16, len(w) // 8), detrend=False, window="hann")
-    return f[1:], power[1:]
+    f, power = welch(w, fs=1.0 / step, nperseg=len(w) // 8, detrend=False, window="hann")
+    altitude = np.zeros(1) if flight.altitude is None else flight.altitude[:1]
+    state, V = weather.state(altitude), float(flight.V[0])
+    one = state if state.intensity.ndim == 1 else state[0]
+    analytic = 2.0 * np.pi * component_psd(2.0 * np.pi * f[1:], one, V, component="w", model=weather.filter)
+    return MetSpectrum(frequency=f[1:], measured=power[1:], analytic=analytic)
