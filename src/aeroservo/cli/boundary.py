@@ -64,7 +64,7 @@ def run_boundary(
     word = aero.value if aero else None
     head = head | {"warnings": [*head["warnings"], *boundary_problems(file, what)]}
     tell(head["warnings"])
-    points = flutter_boundary(file, what, sweep, method, aero=word, journal=journal, progress=_progress)
+    points = flutter_boundary(file, what, sweep, method, aero=word, journal=journal, progress=tell_progress)
     content = head | {
         "over": [{"field": one.field, "values": one.values} for one in what],
         "points": [
@@ -104,9 +104,17 @@ def _over(text: str) -> Over:
     return Over(field=field, values=tuple(grid(*numbers_of(numbers, f"--over {field[:60]}", "unit of the field"))))
 
 
-def _progress(done: int, count: int) -> None:
-    """A count on stderr, on one line of a terminal, now and then elsewhere."""
+def tell_progress(done: int, count: int, what: str = "points") -> None:
+    """A count on stderr, on one line of a terminal, now and then elsewhere.
+
+    Parameters
+    ----------
+    done, count : int
+        How many are done, of how many.
+    what : str
+        Of what.
+    """
     if sys.stderr.isatty():
-        print(f"\r{done} of {count}", end="\n" if done == count else "", file=sys.stderr, flush=True)
+        print(f"\r{done} of {count} {what}", end="\n" if done == count else "", file=sys.stderr, flush=True)
     elif done == count or done % max(1, count // 10) == 0:
-        print(f"aeroservo: {done} of {count} points", file=sys.stderr)
+        print(f"aeroservo: {done} of {count} {what}", file=sys.stderr)

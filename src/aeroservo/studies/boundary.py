@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from aeroservo.studies.journal import Journal
 
 if TYPE_CHECKING:
     from aeroservo.aeroelastic.flutter import Method
@@ -128,8 +129,8 @@ def flutter_boundary(
         varied(model, fields, values, sweep)
     header = _header(model, over, sweep, method, aero) | ({} if names else {"names": False})
     built: tuple[FileModel, Any] | None = None
-    with _Journal(journal, header) as kept:
-        points = list(kept.points[:count])
+    with Journal(journal, header) as kept:
+        points = [_kept(row, journal) for row in kept.rows[:count]]
         for values in grid[len(points) :]:
             file, here = varied(model, fields, values, sweep)
             if built is None or built[0] != file:  # over altitude alone the model stays
@@ -143,7 +144,7 @@ def flutter_boundary(
                 flutter_mode=getattr(found, "flutter_mode", None),
                 divergence_speed=found.divergence_speed,
             )
-            kept.add(point)
+            kept.add(asdict(point))
             points.append(point)
             if progress is not None:
                 progress(len(points), count)
@@ -218,6 +219,26 @@ def varied(
     return (override(model, changes) if changes else model), sweep
 
 
+def model_identity(model: FileModel) -> dict[str, Any]:
+    """What tells one model file from another, for journals.
+
+    Parameters
+    ----------
+    model : FileModel
+        From `aeroservo.read`.
+
+    Returns
+    -------
+    identity : dict
+        Its numbers, and sums of the arrays that it brings along. [SI]
+    """
+    arrays = (model.__pydantic_private__ or {}).get("_arrays")
+    return {
+        "model": json.loads(model.model_dump_json()),
+        "data": None if arrays is None else [float(abs(getattr(arrays, x)).sum()) for x in ("M", "K", "Q", "k")],
+    }
+
+
 def _extremes(over: tuple[Over, ...]) -> Iterator[tuple[float, ...]]:
     """Corners of the grid, where ranges and rules across fields fail first."""
     return product(*(sorted({one.values[0], one.values[-1]}) for one in over))
@@ -227,10 +248,8 @@ def _header(
     model: FileModel, over: tuple[Over, ...], sweep: FlightCondition, method: Method, aero: str | None
 ) -> dict[str, Any]:
     """What tells one sweep from another."""
-    arrays = (model.__pydantic_private__ or {}).get("_arrays")
     return {
-        "model": json.loads(model.model_dump_json()),
-        "data": None if arrays is None else [float(abs(getattr(arrays, x)).sum()) for x in ("M", "K", "Q", "k")],
+        **model_identity(model),
         "over": [[one.field, list(one.values)] for one in over],
         "speeds_m_s": [float(v) for v in sweep.V],
         "density_kg_m3": float(sweep.rho[0]),
@@ -240,50 +259,9 @@ def _header(
     }
 
 
-class _Journal:
-    """Points of an unfinished sweep, one JSON line each after a first line that says which sweep it is."""
-
-    def __init__(self, path: Path | None, header: dict[str, Any]) -> None:
-        self.path, self.header = path, header
-        self.points: list[Point] = []
-        self.file: Any = None
-
-    def __enter__(self) -> _Journal:
-        if self.path is None:
-            return self
-        if self.path.exists():
-            whole = self._read(self.path)
-        else:
-            whole = json.dumps(self.header) + "\n"
-        # Written again whole, so that a line cut by an interruption is gone; replaced in one step.
-        temporary = self.path.with_name(self.path.name + ".new")
-        temporary.write_text(whole, encoding="utf-8")
-        os.replace(temporary, self.path)
-        self.file = open(self.path, "a", encoding="utf-8")
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.file is not None:
-            self.file.close()
-
-    def add(self, point: Point) -> None:
-        """Keep a point."""
-        if self.file is not None:
-            self.file.write(json.dumps(asdict(point)) + "\n")
-            self.file.flush()
-
-    def _read(self, path: Path) -> str:
-        """Take over the points of a journal of this very sweep; its complete lines."""
-        text = path.read_text(encoding="utf-8", errors="replace")
-        lines = text[: text.rfind("\n") + 1].splitlines()
-        try:
-            mine = bool(lines) and json.loads(lines[0]) == self.header
-            rows = [json.loads(line) for line in lines[1:]] if mine else []
-            self.points = [Point(**(row | {"values": tuple(row["values"])})) for row in rows]
-        except (ValueError, TypeError, KeyError):
-            mine = False
-        if not mine:
-            raise ValueError(
-                f"{path}: is the journal of another sweep, or damaged; delete it or name another file to write to"
-            )
-        return "".join(line + "\n" for line in lines)
+def _kept(row: dict[str, Any], journal: Path | None) -> Point:
+    """A point from its line in the journal."""
+    try:
+        return Point(**(row | {"values": tuple(row["values"])}))
+    except (TypeError, KeyError):
+        raise ValueError(f"{journal}: is damaged; delete it or name another file to write to") from None
