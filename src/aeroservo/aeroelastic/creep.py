@@ -18,8 +18,11 @@ from aeroservo.structure.modal import tip_motion
 POINTS = 400
 """Times at which the creep is looked at before the first passage is refined."""
 
-LONGEST = 1e4
+LONGEST = 1e3
 """Creep is followed for so many of its longest time constants."""
+
+SLOWEST = 1e-9
+"""A growth slower than this part of the slowest relaxation counts as no faster than that."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -238,7 +241,7 @@ def _first(motion: _Creep, twist: float, incidence: float) -> float:
     while not np.isfinite(above(high)[0]):  # a growth that has run away by then
         middle = 0.5 * (low + high)
         low, high = (middle, high) if above(middle)[0] < 0.0 else (low, middle)
-    return float(brentq(lambda t: float(above(t)[0]), low, high, xtol=1e-12 * high, rtol=1e-12))
+    return float(brentq(lambda t: float(above(t)[0]), low, high, xtol=1e-15 * times[0], rtol=1e-12))
 
 
 class _Creep:
@@ -284,8 +287,9 @@ class _Creep:
         """Times from far below the shortest to far beyond the longest time constant."""
         if not len(self.roots):
             return np.zeros(1)
-        speed = np.abs(self.roots)
-        return np.geomspace(1e-6 / speed.max(), LONGEST / max(speed.min(), 1e-12 * speed.max()), POINTS)
+        speed = np.concatenate([np.abs(self.roots), self.rate])
+        slowest = max(speed.min(), SLOWEST * self.rate.min())
+        return np.geomspace(1e-6 / speed.max(), LONGEST / slowest, POINTS)
 
 
 def _with(model: AeroelasticModel, change: Any) -> AeroelasticModel:
