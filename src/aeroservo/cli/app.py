@@ -13,6 +13,7 @@ from aeroservo.cli.gust import gust
 from aeroservo.cli.output import not_yet
 from aeroservo.cli.polar import polar
 from aeroservo.cli.simulate import simulate
+from aeroservo.cli.studio import studio
 
 app = typer.Typer(
     name="aeroservo",
@@ -29,7 +30,6 @@ LATER = {
     "design": "controllers",
     "envelope": "boundaries over speed and altitude",
     "report": "a study in one file",
-    "studio": "a study, live",
     "study": "the thesis re-run",
 }
 
@@ -65,6 +65,7 @@ app.command("flutter", help="Flutter, divergence, damping against speed.")(flutt
 app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
 app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
 app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
+app.command("studio", help="A study, live in the browser on 127.0.0.1.")(studio)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
 app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 
