@@ -220,11 +220,8 @@ def linearize(
     if isinstance(file, StateSpaceFile):
         if aero is not None or density is not None:
             raise ValueError(f"{file.name}: a state_space model has no --aero and no --density of its own choice")
-        speed, altitude = (
-            _at_its_own(file, "--speed", speed, "speed_m_s"),
-            _at_its_own(file, "--altitude", altitude, "altitude_m"),
-        )
-        system, condition, notes = _given(file), condition_of(altitude, None, speed), file.problems()
+        system, speed, altitude = state_space_system(file, speed, altitude)
+        condition, notes = condition_of(altitude, None, speed), file.problems()
     else:
         if speed is None:
             raise ValueError("linearize needs the airspeed: --speed M_S")
@@ -270,6 +267,37 @@ def _creep(model: AeroelasticModel, sweep: FlightCondition, twist: float | None)
     return content
 
 
+def state_space_system(
+    file: StateSpaceFile, speed: float | None, altitude: float | None
+) -> tuple[LinearSystem, float, float]:
+    """The system that a state_space file holds, and the condition where it holds.
+
+    Parameters
+    ----------
+    file : StateSpaceFile
+        Read.
+    speed, altitude : float, optional
+        The options: any other than the file's own are refused. [m/s, m]
+
+    Returns
+    -------
+    system, speed, altitude : LinearSystem, float, float
+        One condition. [SI, m/s, m]
+
+    Raises
+    ------
+    ValueError
+        If another condition is asked for.
+    """
+    from aeroservo.datatypes import LinearSystem
+
+    m = file.model
+    matrices: dict[str, Any] = {name: getattr(m, name) for name in "ABCD"}
+    system = LinearSystem(**matrices, states=m.states, inputs=m.inputs, outputs=m.outputs)
+    V = _at_its_own(file, "--speed", speed, "speed_m_s")
+    return system, V, _at_its_own(file, "--altitude", altitude, "altitude_m")
+
+
 def _at_its_own(file: StateSpaceFile, option: str, asked: float | None, field: str) -> float:
     """The one speed or altitude at which a state_space model holds; any other is refused."""
     holds = float(getattr(file.model, field))
@@ -278,15 +306,6 @@ def _at_its_own(file: StateSpaceFile, option: str, asked: float | None, field: s
             f"{file.name}: {option} {asked:g}: this model holds at model.{field} = {holds:g} and nowhere else"
         )
     return holds
-
-
-def _given(file: StateSpaceFile) -> LinearSystem:
-    """The system that a state_space file holds."""
-    from aeroservo.datatypes import LinearSystem
-
-    m = file.model
-    matrices: dict[str, Any] = {name: getattr(m, name) for name in "ABCD"}
-    return LinearSystem(**matrices, states=m.states, inputs=m.inputs, outputs=m.outputs)
 
 
 def _matlab(system: LinearSystem) -> bytes:

@@ -8,6 +8,7 @@ import typer
 
 from aeroservo.cli import analyses, model_files, reruns
 from aeroservo.cli.aero import aero
+from aeroservo.cli.design import design
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.gust import gust
 from aeroservo.cli.output import not_yet
@@ -27,7 +28,6 @@ app = typer.Typer(
 
 #: Commands of the contract that this version does not have.
 LATER = {
-    "design": "controllers",
     "envelope": "boundaries over speed and altitude",
     "report": "a study in one file",
     "study": "the thesis re-run",
@@ -63,6 +63,7 @@ app.command("modes", help="Frequencies and shapes without air.")(analyses.modes)
 app.command("static", help="Divergence, control reversal, effectiveness, twist.")(analyses.static)
 app.command("flutter", help="Flutter, divergence, damping against speed.")(flutter)
 app.command("linearize", help="Named state space at one flight condition.")(analyses.linearize)
+app.command("design", help="A controller: LQR, LQI, LQG, PID, pole placement; its margins.")(design)
 app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
 app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
 app.command("studio", help="A study, live in the browser on 127.0.0.1.")(studio)

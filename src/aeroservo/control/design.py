@@ -154,18 +154,18 @@ def controls(plant: LinearSystem) -> LinearSystem:
 
 
 def square(values: ArrayLike, names: Sequence[str], what: str, *, definite: bool = False) -> Array:
-    """A weight or covariance as a matrix: from a diagonal, which may be short (zeros follow), or a full matrix.
+    """A weight or covariance as a matrix, from a diagonal or a matrix; where that is short, zeros follow.
 
     Parameters
     ----------
-    values : array_like, shape (k,) or (n, n)
-        Diagonal of the first k <= n, or the matrix. [SI]
+    values : array_like, shape (k,) or (k, k)
+        Diagonal or matrix of the first k <= n. [SI]
     names : sequence of str, length n
         What is weighed.
     what : str
         Name of the weight, for errors.
     definite : bool
-        Whether it must be positive definite; a diagonal must then be whole.
+        Whether it must be positive definite; then k = n.
 
     Returns
     -------
@@ -190,14 +190,15 @@ def square(values: ArrayLike, names: Sequence[str], what: str, *, definite: bool
     n = len(names)
     if not np.all(np.isfinite(value)):
         raise ValueError(f"{what} holds a value that is not finite")
-    if value.ndim == 1:
-        if len(value) > n or (definite and len(value) != n):
-            raise ValueError(
-                f"{what} must have {'' if definite else 'at most '}{n} values, of {', '.join(names)}; got {len(value)}"
-            )
-        value = np.diag(np.concatenate([value, np.zeros(n - len(value))]))
-    if value.shape != (n, n):
-        raise ValueError(f"{what} must be a diagonal of {n} or a {n} x {n} matrix, got shape {value.shape}")
+    k = len(value)
+    if value.shape not in ((k,), (k, k)) or k > n or (definite and k != n):
+        most = "" if definite else "at most "
+        raise ValueError(
+            f"{what} must be a diagonal or a square matrix of {most}{n}, of {', '.join(names)}; got shape {value.shape}"
+        )
+    square = np.zeros((n, n))
+    square[:k, :k] = np.diag(value) if value.ndim == 1 else value
+    value = square
     if not np.allclose(value, value.T, rtol=1e-12, atol=1e-12 * np.abs(value).max(initial=0.0)):
         raise ValueError(f"{what} must be symmetric")
     least = float(np.linalg.eigvalsh(value)[0]) if n else 1.0

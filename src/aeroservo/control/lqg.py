@@ -32,7 +32,7 @@ class LQG:
 
     Attributes
     ----------
-    Q : ndarray, shape (k,) or (n, n)
+    Q : ndarray, shape (k,) or (k, k)
         State weights, as of `LQR`. [1/state^2]
     R : ndarray, shape (m,) or (m, m)
         Input weights, positive. [1/input^2]

@@ -26,7 +26,7 @@ class LQI:
 
     Attributes
     ----------
-    Q : ndarray, shape (k,) or (n, n)
+    Q : ndarray, shape (k,) or (k, k)
         Weights of the plant's states, as of `LQR`. [1/state^2]
     R : ndarray, shape (m,) or (m, m)
         Input weights, positive. [1/input^2]

@@ -28,8 +28,8 @@ class LQR:
 
     Attributes
     ----------
-    Q : ndarray, shape (k,) or (n, n)
-        State weights: a diagonal in the order of the plant's states, zeros following, or the matrix. [1/state^2]
+    Q : ndarray, shape (k,) or (k, k)
+        State weights: a diagonal in the order of the plant's states, zeros following, or a matrix likewise. [1/state^2]
     R : ndarray, shape (m,) or (m, m)
         Input weights, positive. [1/input^2]
     N : ndarray, shape (n, m), optional
