@@ -9,6 +9,7 @@ import typer
 from aeroservo.cli import analyses, model_files, reruns
 from aeroservo.cli.aero import aero
 from aeroservo.cli.design import design
+from aeroservo.cli.envelope import envelope
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.gust import gust
 from aeroservo.cli.output import not_yet
@@ -28,7 +29,6 @@ app = typer.Typer(
 
 #: Commands of the contract that this version does not have.
 LATER = {
-    "envelope": "boundaries over speed and altitude",
     "report": "a study in one file",
     "study": "the thesis re-run",
 }
@@ -67,6 +67,7 @@ app.command("design", help="A controller: LQR, LQI, LQG, PID, pole placement; it
 app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
 app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
 app.command("studio", help="A study, live in the browser on 127.0.0.1.")(studio)
+app.command("envelope", help="Boundaries over speed and altitude, with and without control.")(envelope)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
 app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 

@@ -34,6 +34,9 @@ from aeroservo.cli.output import heading, number, print_json, table, write_json
 from aeroservo.cli.sensitivities import print_sensitivities, sensitivity_rows
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aeroservo.aeroelastic.branches import Interval
     from aeroservo.aeroelastic.flutter import FlutterResult
     from aeroservo.aeroelastic.flutter import Method as RootMethod
     from aeroservo.aircraft.schema_base import FileModel
@@ -105,7 +108,7 @@ def flutter(
     if sensitivities and over:
         raise ValueError("--sensitivities and --over are two questions: ask one at a time")
     file, built, notes = load(model, aero, speeds)
-    theory, chosen = _choice(file, aero, method, fit_bound)
+    theory, chosen = choice(file, aero, method, fit_bound)
     low, high, step = sweep_of(file, speeds)
     sweep = condition_of(altitude, density, (low, high, step))
     if over:
@@ -166,16 +169,7 @@ def speeds_content(found: FlutterResult) -> dict[str, Any]:
         "flutter_speed_eas_m_s": eas,
         "flutter_frequency_rad_s": found.flutter_frequency,
         "flutter_mode": found.flutter_mode,
-        "unstable_intervals": [
-            {
-                "from_m_s": interval.start,
-                "to_m_s": interval.end,
-                "frequency_rad_s": interval.frequency,
-                "mode": interval.mode,
-                "kind": interval.kind,
-            }
-            for interval in found.intervals
-        ],
+        "unstable_intervals": intervals_content(found.intervals),
         "divergence_speed_m_s": found.divergence_speed,
         "first_real_instability_m_s": found.first_real_instability,
         "modes": [
@@ -190,10 +184,57 @@ def speeds_content(found: FlutterResult) -> dict[str, Any]:
     }
 
 
-def _choice(
+def intervals_content(intervals: Iterable[Interval]) -> list[dict[str, Any]]:
+    """Unstable ranges as JSON has them.
+
+    Parameters
+    ----------
+    intervals : iterable of Interval
+        Of a result. [m/s]
+
+    Returns
+    -------
+    rows : list of dict
+        Keys of contract.md, "flutter". [m/s, rad/s]
+    """
+    return [
+        {
+            "from_m_s": interval.start,
+            "to_m_s": interval.end,
+            "frequency_rad_s": interval.frequency,
+            "mode": interval.mode,
+            "kind": interval.kind,
+        }
+        for interval in intervals
+    ]
+
+
+def choice(
     file: FileModel, aero: AeroTheory | None, method: FlutterMethod | None, fit_bound: float
 ) -> tuple[str, RootMethod]:
-    """Air forces and method in force; sampled air forces are taken by p-k unless p is asked for."""
+    """Air forces and method in force; sampled air forces are taken by p-k unless p is asked for.
+
+    Parameters
+    ----------
+    file : FileModel
+        Read; its kind has defaults.
+    aero : AeroTheory, optional
+        The option `--aero`.
+    method : FlutterMethod, optional
+        The option `--method`.
+    fit_bound : float
+        The option `--fit-bound`. [-]
+
+    Returns
+    -------
+    theory, method : str, P or PK or K or G
+        For the answer, and for the search.
+
+    Raises
+    ------
+    ValueError
+        If the bound is none.
+    """
     from aeroservo.aeroelastic.build import DEFAULTS
     from aeroservo.aeroelastic.flutter import PK, G, K, P
 
