@@ -297,69 +297,77 @@ def _sampled(system: LinearSystem, dt: float, delays: Array, ages: Array) -> Lin
     """Held, delayed inputs and aged outputs; delays and ages in samples, one per channel."""
     if max(delays.max(initial=0.0), ages.max(initial=0.0)) > LONGEST:
         raise ValueError(f"a delay must be at most {LONGEST:g} samples of {dt:g} s, got {max(*delays, *ages):g}")
-    whole, part = _split(delays)
+    _, part = _split(delays)
     if system.dt is not None and (abs(system.dt - dt) > 1e-12 * dt or np.any(part) or np.any(ages)):
         raise ValueError(f"a system sampled at {system.dt:g} s can only be delayed by whole samples of its own")
-    n, n_u, batch = len(system.states), len(system.inputs), system.A.shape[:-2]
-    commanded = np.array([not name.startswith("gust") for name in system.inputs], dtype=bool)
-    direct = np.any(system.D != 0.0, axis=tuple(range(system.D.ndim - 1))) & commanded & (system.dt is None)
-    memory = np.where((part > 0.0) | direct, whole + 1, whole)
-    at = n + np.concatenate([[0], np.cumsum(memory)[:-1]]).astype(int) if n_u else np.zeros(0, int)
-    held = n + int(memory.sum())
-    late, fraction = _split(ages)
-    kept = np.where(fraction > 0.0, late + 1, late)
-    first = held + np.concatenate([[0], np.cumsum(kept)[:-1]]).astype(int)
-    total = held + int(kept.sum())
-    A, B = np.zeros((*batch, total, total)), np.zeros((*batch, total, n_u))
-    C, D = np.zeros((*batch, len(system.outputs), total)), np.zeros((*batch, len(system.outputs), n_u))
+    return _Sampling(system, dt, delays, ages).system()
 
-    def add(into: Array, now: Array, j: int, ago: int, gain: Array) -> None:
-        """Effect of input j of `ago` samples ago on rows: a state, or the input of now."""
-        if ago:
-            into[..., at[j] + ago - 1] += gain
-        else:
-            now[..., j] += gain
 
-    hold = _Hold(system, dt, part)
-    Phi, old, new = hold.over(1.0)
-    A[..., :n, :n] = Phi
-    for j in range(n_u):
-        add(A[..., :n, :], B[..., :n, :], j, whole[j], new[..., j])
-        if part[j]:
-            add(A[..., :n, :], B[..., :n, :], j, whole[j] + 1, old[..., j])
-        for i in range(memory[j]):
-            target, source = at[j] + i, (at[j] + i - 1)
-            if i:
-                A[..., target, source] = 1.0
-            else:
-                B[..., target, j] = 1.0
-    names = [f"{name}_{i + 1}_ago" for name, m in zip(system.inputs, memory) for i in range(m)]
-    for i, channel in enumerate(system.outputs):
-        row, row_D = np.zeros((*batch, 1, total)), np.zeros((*batch, 1, n_u))
-        c, d = system.C[..., i : i + 1, :], system.D[..., i : i + 1, :]
-        if fraction[i]:  # the value at a time inside the sample that has passed
-            inside = 1.0 - fraction[i]
-            Phi, old, new = hold.over(inside)
-            row[..., :n] = c @ Phi
-            for j in range(n_u):
-                add(row, row_D, j, whole[j], (c @ new)[..., j] + (d[..., j] if inside > part[j] else 0.0))
-                if part[j]:
-                    add(row, row_D, j, whole[j] + 1, (c @ old)[..., j] + (d[..., j] if inside <= part[j] else 0.0))
-        else:
-            row[..., :n] = c
-            for j in range(n_u):
-                add(row, row_D, j, whole[j] + int(direct[j]), d[..., j])
-        if kept[i]:
-            A[..., first[i] : first[i] + 1, :], B[..., first[i] : first[i] + 1, :] = row, row_D
-            for step in range(1, kept[i]):
-                A[..., first[i] + step, first[i] + step - 1] = 1.0
-            C[..., i, first[i] + kept[i] - 1] = 1.0
-            names += [f"{channel}_{step + 1}_ago" for step in range(kept[i])]
-        else:
-            C[..., i : i + 1, :], D[..., i : i + 1, :] = row, row_D
-    return replace(
-        system, A=A, B=B, C=C, D=D, states=(*system.states, *names), dt=dt, input_delay_s=0.0
-    )  # fmt: skip
+class _Sampling:
+    """Matrices of a sampled plant: rows over [states, past commands, past samples] and the inputs of now."""
+
+    def __init__(self, system: LinearSystem, dt: float, delays: Array, ages: Array) -> None:
+        self.plant, self.dt = system, dt
+        self.n, self.n_u, self.batch = len(system.states), len(system.inputs), system.A.shape[:-2]
+        self.whole, self.part = _split(delays)
+        commanded = np.array([not name.startswith("gust") for name in system.inputs], dtype=bool)
+        acts = np.any(system.D != 0.0, axis=tuple(range(system.D.ndim - 1)))
+        self.direct = acts & commanded & (system.dt is None)
+        self.memory = np.where((self.part > 0.0) | self.direct, self.whole + 1, self.whole)
+        self.at = self.n + np.cumsum([0, *self.memory])[:-1]
+        self.late, self.fraction = _split(ages)
+        self.kept = np.where(self.fraction > 0.0, self.late + 1, self.late)
+        ends = self.n + int(self.memory.sum()) + np.cumsum([0, *self.kept])
+        self.first, self.total = ends[:-1], int(ends[-1])
+        self.hold = _Hold(system, dt, self.part)
+
+    def row(self, states: Array, new: Array, old: Array) -> tuple[Array, Array]:
+        """Rows (k) from effects on states (k, n), of the present command (k, n_u) and of the one before it."""
+        k = states.shape[-2]
+        full, now = np.zeros((*self.batch, k, self.total)), np.zeros((*self.batch, k, self.n_u))
+        full[..., : self.n] = states
+        for j in range(self.n_u):
+            for effect, ago in ((new[..., j], self.whole[j]), (old[..., j], self.whole[j] + 1)):
+                if ago == 0:
+                    now[..., j] += effect
+                elif ago <= self.memory[j]:
+                    full[..., self.at[j] + ago - 1] += effect
+        return full, now
+
+    def output(self, i: int) -> tuple[Array, Array]:
+        """Row of one output: at the sample, or at the time inside the sample to come at which it is taken."""
+        c, d = self.plant.C[..., i : i + 1, :], self.plant.D[..., i : i + 1, :]
+        if not self.fraction[i]:
+            return self.row(c, np.where(self.direct, 0.0, d), np.where(self.direct, d, 0.0))
+        inside = 1.0 - self.fraction[i]
+        Phi, old, new = self.hold.over(inside)
+        switched = inside > self.part
+        return self.row(c @ Phi, c @ new + np.where(switched, d, 0.0), c @ old + np.where(switched, 0.0, d))
+
+    def system(self) -> LinearSystem:
+        """All rows, with names."""
+        p, n_y = self.plant, len(self.plant.outputs)
+        A, B = np.zeros((*self.batch, self.total, self.total)), np.zeros((*self.batch, self.total, self.n_u))
+        C, D = np.zeros((*self.batch, n_y, self.total)), np.zeros((*self.batch, n_y, self.n_u))
+        Phi, old, new = self.hold.over(1.0)
+        A[..., : self.n, :], B[..., : self.n, :] = self.row(Phi, new, old)
+        for j in range(self.n_u):
+            if self.memory[j]:
+                B[..., self.at[j], j] = 1.0
+        for start, length in (*zip(self.at, self.memory), *zip(self.first, self.kept)):
+            step = np.arange(start + 1, start + length)
+            A[..., step, step - 1] = 1.0
+        for i in range(n_y):
+            row, now = self.output(i)
+            if not self.kept[i]:
+                C[..., i : i + 1, :], D[..., i : i + 1, :] = row, now
+                continue
+            A[..., self.first[i] : self.first[i] + 1, :] = row
+            B[..., self.first[i] : self.first[i] + 1, :] = now
+            C[..., i, self.first[i] + self.kept[i] - 1] = 1.0
+        past = [*zip(p.inputs, self.memory), *zip(p.outputs, self.kept)]
+        names = tuple(f"{name}_{i + 1}_ago" for name, length in past for i in range(length))
+        return replace(p, A=A, B=B, C=C, D=D, states=(*p.states, *names), dt=self.dt, input_delay_s=0.0)
 
 
 def _split(delays: Array) -> tuple[Array, Array]:
