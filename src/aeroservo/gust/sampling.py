@@ -213,7 +213,12 @@ def stationary_covariance(A: ArrayLike, B: ArrayLike) -> Array:
     flat_A, flat_W = A.reshape(-1, *A.shape[-2:]), np.broadcast_to(W, A.shape).reshape(-1, *A.shape[-2:])
     P = np.empty(flat_A.shape)
     for i in range(len(flat_A)):
-        P[i] = solve_continuous_lyapunov(flat_A[i], -flat_W[i])
+        size = np.ones(A.shape[-1])
+        for _ in range(2):  # once more in units of each state's own size, so that small states keep their digits
+            P[i] = solve_continuous_lyapunov(flat_A[i] * size / size[:, None], -flat_W[i] / np.outer(size, size))
+            P[i] *= np.outer(size, size)
+            found = np.sqrt(np.abs(np.diag(P[i])))
+            size = np.where(found > 0.0, found, 1.0)
     return 0.5 * (P + np.swapaxes(P, -1, -2)).reshape(A.shape)
 
 
