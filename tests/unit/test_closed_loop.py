@@ -27,7 +27,7 @@ COMMAND = ("elevon_command_rad",)
 
 def system(A: object, B: object, C: object, D: object, dt: float | None = None, prefix: str = "") -> LinearSystem:
     """A system with numbered channels."""
-    A, B, C, D = (np.atleast_2d(np.asarray(m, dtype=float)) for m in (A, B, C, D))
+    A, B, C, D = (np.atleast_2d(np.asarray(one, dtype=float)) for one in (A, B, C, D))
     n, m, p = A.shape[-1], B.shape[-1], C.shape[-2]
     names = [tuple(f"{c}{i}" for i in range(k)) for c, k in (("x", n), ("u", m), ("y", p))]
     if prefix:
@@ -68,6 +68,16 @@ def test_batch_equals_one_by_one_and_schedule_is_interpolated() -> None:
     assert controller_at(schedule, 1e9)[3] == pytest.approx(-3.0 * K_55)
     with pytest.raises(ValueError, match="dynamic pressure"):
         closed_loop(loop_plant(model, sweep, schedule), schedule)
+
+
+def test_batched_controllers_meet_batched_plants() -> None:
+    """Three plants with three controllers at once, as a schedule design does."""
+    draw = np.random.default_rng(2).standard_normal
+    plants = system(draw((3, 2, 2)), draw((3, 2, 1)), draw((3, 1, 2)), np.zeros((3, 1, 1)), 0.1)
+    own = system(draw((3, 1, 1)), draw((3, 1, 1)), draw((3, 1, 1)), draw((3, 1, 1)), 0.1, prefix="c")
+    together = closed_loop(plants, own)
+    for i in range(3):
+        assert together.A[i] == pytest.approx(closed_loop(plants[i], own[i]).A, abs=1e-13)
 
 
 def servo_model() -> tuple[object, Controller]:

@@ -45,7 +45,7 @@ SATELLITE = plant_of([[0, 10], [-10, 0]], np.eye(2), [[1, 10], [-10, 1]], np.zer
 
 
 def test_published_disk_margin() -> None:
-    """Seiler, Packard, Gahinet 2020, 25/(s^3+10s^2+10s+10): alpha 0.46, gain 0.63 to 1.59, 25.8 deg; GM 3.6, PM 29.1."""
+    """Seiler, Packard, Gahinet 2020, their 25/(s^3+10s^2+10s+10): 0.46, gain 0.63 to 1.59, 25.8 deg; GM 3.6, PM 29.1."""
     margin = disk_margin(THIRD, gain_of(1.0))
     assert margin.alpha == pytest.approx(0.46, abs=0.005)
     assert margin.gain == pytest.approx((0.63, 1.59), abs=0.005)
@@ -71,7 +71,7 @@ def test_published_satellite() -> None:
 
 
 def test_published_coupled_satellite_and_mu() -> None:
-    """K = [[1, -2], [0, 1]]: 0.3754 by SLICOT (python-control), within 0.3 %; and mu of two channels exactly, by phases."""
+    """K = [[1, -2], [0, 1]]: 0.3754 by SLICOT (python-control) within 0.3 %; mu of two channels exactly, by phases."""
     margin = disk_margin(SATELLITE, gain_of([[1.0, -2.0], [0.0, 1.0]]))
     assert margin.alpha == pytest.approx(0.3754, rel=3e-3)
     loop = cut_loop(SATELLITE, gain_of([[1.0, -2.0], [0.0, 1.0]]))

@@ -34,7 +34,8 @@ def closed_loop(
     plant : LinearSystem
         Continuous, or sampled at the controller's rate; leading axes are a batch. [SI]
     controller : Controller or LinearSystem
-        Reads outputs and drives inputs of the plant by name (sensor names without unit are understood).
+        Reads outputs and drives inputs of the plant by name (sensor names without unit are understood). A system may
+        be a batch that broadcasts against the plant's.
     pressure : float or ndarray, shape (...), optional
         Dynamic pressure, for a controller with a schedule. [Pa]
 
@@ -64,14 +65,18 @@ def closed_loop(
     >>> closed_loop(unstable, gain).A.tolist()
     [[-2.0]]
     """
-    controller = controller if isinstance(controller, Controller) else _from_system(controller)
+    if isinstance(controller, LinearSystem):
+        matrices: tuple[Array, ...] = controller.A, controller.B, controller.C, controller.D
+        controller = _from_system(controller)
+    else:
+        matrices = controller_at(controller, pressure)
     plant = at_rate(plant, controller)
     if plant.input_delay_s:
         raise ValueError(
             f"a continuous loop with a delay of {plant.input_delay_s:g} s has no state space: sample the controller "
             "(dt_s), or ask for its margins, which take the delay exactly"
         )
-    Ak, Bk, Ck, Dk = controller_at(controller, pressure)
+    Ak, Bk, Ck, Dk = matrices
     scatter, rows = wiring(plant, controller)
     C_m, D_m = plant.C[..., rows, :], plant.D[..., rows, :]
     loop = np.eye(len(rows)) - D_m @ scatter @ Dk
@@ -352,9 +357,9 @@ def as_rates(z: Array, dt: float) -> Array:
 
 
 def _from_system(system: LinearSystem) -> Controller:
-    """A linear system as a controller; a continuous one with a delay is refused."""
+    """A linear system as a controller, the first of a batch for its names; a continuous one with a delay is refused."""
     if system.dt is None and system.input_delay_s:
         raise ValueError(
             f"a continuous controller with a delay of {system.input_delay_s:g} s has no state space: sample it (dt)"
         )
-    return controller_of(system)
+    return controller_of(system[(0,) * (system.A.ndim - 2)] if system.A.ndim > 2 else system)

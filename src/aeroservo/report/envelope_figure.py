@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aeroservo.report.style import MARK, UNSTABLE, nothing_to_show, shared_legend, style
+from aeroservo.report.style import MARK, UNSTABLE, nothing_to_show, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +52,7 @@ def envelope_figure(
 
     closed, gusts = any(p.closed_loop is not None for p in points), any(p.gusts for p in points)
     panels = 1 + closed + gusts
-    figure = NewFigure(figsize=(6.4 + 4.6 * (panels - 1), 5.6))
+    figure = NewFigure(figsize=(8.0 + 4.2 * (panels - 1), 6.2))
     figure.set_layout_engine("constrained", wspace=0.05)
     widths = [1.4, *[1.0] * (panels - 1)]
     axes: Any = np.atleast_1d(figure.subplots(1, panels, width_ratios=widths))
@@ -68,7 +68,12 @@ def envelope_figure(
         ax.grid(visible=True, linewidth=0.3)
         ax.set_xlim(*speeds)
         ax.set_xlabel("true airspeed, m/s")
-    shared_legend(figure)
+    handles, labels = axes[0].get_legend_handles_labels()
+    entries = dict(zip(labels, handles))
+    figure.legend(
+        list(entries.values()), list(entries), loc="outside lower center", ncols=2 if panels < 3 else 3,
+        fontsize="small", frameon=False,
+    )  # fmt: skip
     return figure
 
 
@@ -96,10 +101,9 @@ def _boundaries(ax: Axes, points: Sequence[EnvelopePoint], speeds: tuple[float, 
         x = np.array([np.nan if v is None else v.speed for v in limits])
         if np.any((x >= speeds[0]) & (x <= speeds[1])):
             side = next(v.side for v in limits if v is not None)
-            beyond = "not valid " + ("right" if side == "above" else "left") + " of it: "
+            beyond = "not valid " + ("right" if side == "above" else "left") + " of this: "
             dashes = ((0, (6, 4)), (0, (2, 3)), (0, (8, 3, 2, 3)), (0, (4, 6)))[number % 4]
-            text = beyond + why.split(" at ")[0] if ":" not in why else beyond + why
-            ax.plot(x, altitude, color="#009E73", linestyle=dashes, linewidth=1.3, label=text, zorder=5)
+            ax.plot(x, altitude, color="#009E73", linestyle=dashes, linewidth=1.3, label=beyond + why, zorder=5)
     ax.set_ylabel("altitude, m")
     if len(points) > 1:
         ax.set_ylim(points[0].altitude, points[-1].altitude)
@@ -159,6 +163,7 @@ def _margins(
         ax.plot(p.margin_speeds, p.margin_alpha, **style(j), label=f"{p.altitude:g} m")
     ax.axhline(margin, color=MARK, linewidth=1.0)
     ax.text(speeds[1], margin, f"{criterion} ", ha="right", va="bottom", fontsize="small", color=MARK)
+    ax.legend(title="altitude", loc="upper right", fontsize="small")
     ax.set_ylim(0.0, 2.05)
     ax.set_ylabel(r"balanced disk margin $\alpha$ (0: unstable)")
 
@@ -173,10 +178,12 @@ def _gusts(ax: Axes, points: Sequence[EnvelopePoint], speeds: tuple[float, float
             open_end = [(g.speed, g.amplitude) for g in p.gusts if g.at_least]
             if open_end:
                 x, y = zip(*open_end)
-                label = "or more: the largest that was tried"
-                ax.plot(x, y, linestyle="none", marker="^", markersize=8, color=style(j)["color"], label=label)
+                label = None if drawn else "or more: the largest tried"
+                ax.plot(x, y, linestyle="none", marker="^", markersize=8, color="0.35", label=label)
             drawn = True
     if not drawn:
         nothing_to_show(ax, "no gusts were tried")
+    else:
+        ax.legend(title="altitude", loc="lower left", fontsize="small")
     ax.set_ylim(bottom=0.0)
     ax.set_ylabel("largest 1-cosine gust suppressed, m/s")

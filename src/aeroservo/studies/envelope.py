@@ -317,7 +317,7 @@ def validity(model: AeroelasticModel, sweep: FlightCondition, omega: float | Non
         found.append(
             Validity(
                 speed=omega * model.aero.b / REDUCED_FREQUENCY, side="below",
-                why=f"reduced frequency {REDUCED_FREQUENCY:g} at {omega:.4g} rad/s: air forces without lags",
+                why=f"reduced frequency {REDUCED_FREQUENCY:g} of flutter: air forces without lags",
             )
         )  # fmt: skip
     elif not isinstance(model.aero, RationalAero) and model.aero.k[-1] > 0.0 and len(model.aero.k) > 1:
