@@ -2,8 +2,8 @@
 
 Numbers of the textbooks and of the thesis' appendix: `lqr.json` of the project's validation set (MATLAB's `lqr`
 documentation for the pendulum on a cart; the Control Tutorials for MATLAB and Simulink, "Aircraft Pitch", for the two
-aircraft gains; Bramstång 2015, appendix, for the linear model, its K and the printed A - B K). Numbers of the simulation
-model: issue 7 of this project.
+aircraft gains; Bramstång 2015, appendix, for the linear model, its K and the printed A - B K). Numbers of the
+simulation model: issue 7 of this project.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def upper(values: np.ndarray) -> list[complex]:
 
 
 def test_gain_of_the_thesis() -> None:
-    """K of Q = I and R = 1 is the thesis' to 2e-4; A - B K of the printed K is the printed one, and so are its roots."""
+    """K of Q = I and R = 1 is the thesis' to 2e-4; A - B K of the printed K is the printed one, roots and all."""
     plant = appendix()
     design = LQR(Q=np.ones(5), R=np.ones(1))(plant)
     np.testing.assert_allclose(design.K[0], K_PRINTED, rtol=THESIS_K)
@@ -157,7 +157,7 @@ def lost(design: Design, altitude: float, low: float, high: float) -> float:
 
 
 def test_regulator_of_the_simulation_model() -> None:
-    """At 55 m/s and 10,000 ft without actuator; lost at 58.618 m/s through a real root (the thesis' hard flutter at 59)."""
+    """55 m/s, 10,000 ft, no actuator; lost at 58.618 m/s through a real root (the thesis' hard flutter at 59)."""
     design = LQR(Q=np.ones(4), R=np.ones(1))(at(55.0))
     np.testing.assert_allclose(design.K[0], [-6.783, -1.690, -0.573, -0.916], atol=1e-3)
     V = lost(design, HIGH, 57.0, 60.0)

@@ -324,6 +324,13 @@ def joined(plant: LinearSystem, controller: LinearSystem) -> Array:
     batch = plant.A.shape[:-2]
     if not batch:
         return closed_loop(plant, controller).A
+    if len(batch) == 1 and plant.dt is not None:  # as a schedule whose point i is at "pressure" i: one call for all
+        at = np.arange(batch[0], dtype=float)
+        c = controller
+        row = Controller(
+            A=c.A, B=c.B, C=c.C, D=c.D, inputs=c.inputs, outputs=c.outputs, dt_s=c.dt, pressures=at
+        )  # fmt: skip
+        return closed_loop(plant, row, pressure=at).A
     found = [closed_loop(plant[i], controller[i]).A for i in np.ndindex(*batch)]
     return np.reshape(found, (*batch, *found[0].shape)) if found else np.zeros((*batch, 0, 0))
 

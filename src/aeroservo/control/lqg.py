@@ -106,7 +106,7 @@ class LQG:
         K, X = lqr_gain(u.A, u.B, Q, R, dt=u.dt, states=u.states, inputs=u.inputs)
         L, P = kalman_gain(u.A, u.C, W, V, S=S, dt=u.dt, states=u.states, outputs=u.outputs)
         controller = observer(u, K, L, P, V, S, form=self.form)
-        roots = np.linalg.eigvals(joined(u, controller))
+        loop = joined(u, controller)
         residual = np.maximum(
             riccati_residual(u.A, u.B, Q, R, X, dt=u.dt), filter_residual(u.A, u.C, W, V, P, S=S, dt=u.dt)
         )
@@ -115,8 +115,8 @@ class LQG:
             controller=controller,
             K=K,
             states=u.states,
-            closed_loop_eigenvalues=roots,
-            residual=np.maximum(residual, separation_residual(u, controller, K, L)),
+            closed_loop_eigenvalues=np.linalg.eigvals(loop),
+            residual=np.maximum(residual, separation_residual(u, loop, K, L)),
             windup=u.B,
             notes=_limits_of_recovery(u) if self.recovery else (),
         )
@@ -202,15 +202,17 @@ def observer(
     )  # fmt: skip
 
 
-def separation_residual(plant: LinearSystem, controller: LinearSystem, K: Array, L: Array) -> Array:
+def separation_residual(plant: LinearSystem, loop: Array, K: Array, L: Array) -> Array:
     """How far the joined loop is from the separation principle, by its characteristic polynomial at test points.
 
     det(z I - A_closed) must be det(z I - A + B K) det(z I - A + L C), which never forms the controller.
 
     Parameters
     ----------
-    plant, controller : LinearSystem
-        Joined. [SI]
+    plant : LinearSystem
+        Controls to sensors. [SI]
+    loop : ndarray, shape (..., 2n, 2n)
+        State matrix of plant and controller joined. [SI]
     K, L : ndarray, shapes (..., m, n), (..., n, p)
         Gains of regulator and predictor. [SI]
 
@@ -229,10 +231,9 @@ def separation_residual(plant: LinearSystem, controller: LinearSystem, K: Array,
     >>> plant = LinearSystem(A=[[1.0]], B=[[1.0]], C=[[1.0]], D=[[0.0]], dt=0.1, **names)
     >>> one, none = np.eye(1), np.zeros((1, 1))
     >>> c = observer(plant, 0.5 * one, 0.5 * one, one, one, none, form="predictor")
-    >>> float(separation_residual(plant, c, 0.5 * one, 0.5 * one)) < 1e-15
+    >>> float(separation_residual(plant, joined(plant, c), 0.5 * one, 0.5 * one)) < 1e-15
     True
     """
-    loop = joined(plant, controller)
     first, second = plant.A - plant.B @ K, plant.A - L @ plant.C
     size = 1.0 if plant.dt is not None else float(np.abs(np.linalg.eigvals(loop)).max(initial=1.0))
     worst = np.zeros(plant.A.shape[:-2])
