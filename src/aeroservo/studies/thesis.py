@@ -214,6 +214,37 @@ def printed_speed(model: Model, column: Column, quantity: Quantity, altitude: fl
     raise ValueError(f"altitude must be one of {ALTITUDES} [m], those of Tables 2 and 3, got {altitude:g}")
 
 
+def printed_simulation(column: str, quantity: str, altitude: float) -> str:
+    """An entry of the simulation columns of Table 2 or 3 as the thesis prints it.
+
+    Parameters
+    ----------
+    column : {"simulation_lqr", "simulation_adaptive"}
+        The second stands in Table 3 only.
+    quantity : {"flutter", "divergence", "reversal"}
+        V_f, V_div or V_rev.
+    altitude : float
+        0 (Table 2) or 3048 (Table 3). [m]
+
+    Returns
+    -------
+    printed : str
+        A number [m/s], ">120" or "NA".
+
+    References
+    ----------
+    Bramstång 2015, Tables 2 and 3.
+
+    Examples
+    --------
+    >>> printed_simulation("simulation_adaptive", "flutter", 3048.0)
+    '>120'
+    """
+    table = _reference()["tables"][ALTITUDES.index(altitude)]
+    value = table["printed_m_s"][column][quantity]
+    return "NA" if value is None else str(value)
+
+
 def thesis_model(model: Model, theory: str, slope: Slope = "a_w") -> AeroelasticModel:
     """The binary wing or whole aircraft of the thesis with one section theory.
 

@@ -77,9 +77,9 @@ class Aeroelastic:
     swept: Array
     stiff_in_bending: Array
     motion: tuple[float, float]
-    equal_slope: dict[tuple[str, float], float]
+    equal_slope: dict[tuple[Model, float], float]
     without_rate: float
-    damped: dict[tuple[str, float], float | None]
+    damped: dict[tuple[Model, float], float | None]
     plunge: Array
     wing_sweep: Array
     bact: tuple[float, float]
@@ -171,15 +171,26 @@ def _damped(model: Model, g: float) -> float | None:
     return flutter(damped, _sweep(HIGH, 120.0), PK()).flutter_speed
 
 
-def _wing() -> tuple[UniformWing, dict[str, float]]:
-    """The binary wing in closed form, and its file's numbers."""
+def binary_in_closed_form() -> UniformWing:
+    """The binary wing of Tables 2 and 3 as a uniform wing of closed formulas.
+
+    Returns
+    -------
+    wing : UniformWing
+        Preset `thesis-binary`. [SI]
+    """
     file: Any = read("thesis-binary")
     w, d = file.wing, file.derived()
-    wing = UniformWing(
+    return UniformWing(
         GJ=d["GJ_N_m2"], eccentricity=d["eccentricity"], chord=w.chord_m, semi_span=w.semi_span_m,
         lift_slope=w.lift_slope_per_rad,
     )  # fmt: skip
-    return wing, {"K_theta": w.pitch_stiffness_N_m, "K_h": w.plunge_stiffness_N_per_m}
+
+
+def _springs() -> tuple[float, float]:
+    """Pitch and plunge stiffness of the binary wing."""
+    file: Any = read("thesis-binary")
+    return file.wing.pitch_stiffness_N_m, file.wing.plunge_stiffness_N_per_m
 
 
 def _speed(q: float | None, altitude: float = 0.0) -> float:
@@ -189,9 +200,9 @@ def _speed(q: float | None, altitude: float = 0.0) -> float:
 
 def _divergence() -> dict[str, float]:
     """Three readings of the same numbers, sea level."""
-    wing, K = _wing()
+    wing = binary_in_closed_form()
     section = section_divergence_pressure(
-        pitch_stiffness=K["K_theta"], eccentricity=wing.eccentricity, chord=wing.chord, span=wing.semi_span,
+        pitch_stiffness=_springs()[0], eccentricity=wing.eccentricity, chord=wing.chord, span=wing.semi_span,
         lift_slope=wing.lift_slope,
     )  # fmt: skip
     return {
@@ -203,14 +214,14 @@ def _divergence() -> dict[str, float]:
 
 def _swept() -> tuple[Array, Array]:
     """Rigid wing on root springs: twist K_theta, bending K_h s^2; then with rigid bending."""
-    wing, K = _wing()
+    wing, (K_theta, K_h) = binary_in_closed_form(), _springs()
     rows = []
-    for bending in (K["K_h"] * wing.semi_span**2, np.inf):
+    for bending in (K_h * wing.semi_span**2, np.inf):
         rows.append(
             [
                 _speed(
                     swept_divergence_pressure(
-                        pitch_stiffness=K["K_theta"], bending_stiffness=bending, eccentricity=wing.eccentricity,
+                        pitch_stiffness=K_theta, bending_stiffness=bending, eccentricity=wing.eccentricity,
                         chord=wing.chord, span=wing.semi_span, lift_slope=wing.lift_slope, sweep=float(np.radians(x)),
                     )
                 )
@@ -233,7 +244,7 @@ def _motion(study: ThesisStudy) -> tuple[float, float]:
 
 def _bact() -> tuple[float, float]:
     """Flutter of BACT at the density of its tunnel."""
-    found = flutter(build(read("bact")), FlightCondition(V=np.arange(20.0, 200.0, 5.0), rho=1.01628), P())
+    found = flutter(build(read("bact")), FlightCondition(V=np.arange(20.0, 200.0, 5.0), rho=np.array(1.01628)), P())
     V, omega = found.flutter_speed or np.nan, found.flutter_frequency or np.nan
     return 0.5 * 1.01628 * V**2 / 47.880259, omega / (2.0 * np.pi)
 

@@ -58,7 +58,8 @@ def _divergence_and_sweep(a: Aeroelastic) -> Claim:
         section="7.2.1",
         statement="sweep back raises the divergence speed, forward sweep lowers it",
         verdict=verdict(whole=soft and stiff_ahead < stiff_none, part=soft),
-        numbers=f"rigid wing on root springs, -30, 0, +30 deg: {ahead:.1f}, {none:.1f}, {aft:.1f} m/s; stiff in bending, forward "
+        numbers=f"rigid wing on root springs, -30, 0, +30 deg: {ahead:.1f}, {none:.1f}, {aft:.1f} m/s; stiff in "
+        "bending, forward "
         f"sweep raises it too: {stiff_none:.1f} to {stiff_ahead:.1f}; the wing as drawn, 23 deg aft, "
         + ("does not diverge" if drawn is None else f"diverges at {drawn:.1f} m/s"),
     )
@@ -70,7 +71,8 @@ def _rate_derivative(a: Aeroelastic) -> Claim:
         section="3.3",
         statement="the pitch-damping derivative is of significant importance",
         verdict=verdict(whole=abs(with_it / a.without_rate - 1.0) > 0.1),
-        numbers=f"flutter of the binary wing at sea level {a.without_rate:.2f} m/s without it, {with_it:.2f} with it; consistent "
+        numbers=f"flutter of the binary wing at sea level {a.without_rate:.2f} m/s without it, {with_it:.2f} with "
+        "it; consistent "
         f"unsteady theory, which needs no such number: {a.flutter('binary', 0.0, 'theodorsen'):.2f}",
     )
 
@@ -136,7 +138,8 @@ def _detail(a: Aeroelastic) -> Claim:
         section="9.3.3",
         statement="the flutter speed depends highly on how detailed the model is",
         verdict=verdict(whole=high / low > 1.2),
-        numbers=f"{low:.1f} to {high:.1f} m/s at 10,000 ft over theory and model; {drawn:.1f} for the wing as drawn, with the "
+        numbers=f"{low:.1f} to {high:.1f} m/s at 10,000 ft over theory and model; {drawn:.1f} for the wing as drawn, "
+        "with the "
         "lattice's loading and a beam",
     )
 
@@ -158,22 +161,25 @@ def _stiffness(a: Aeroelastic) -> Claim:
         section="10.2",
         statement="higher stiffness does not necessarily mean a higher flutter speed",
         verdict=verdict(whole=bool(np.any(np.diff(V) < 0.0))),
-        numbers="plunge stiffness of the whole aircraft: " + ", ".join(f"{v:.1f} m/s at {k:.0f} N/m" for k, v in a.plunge),
+        numbers="plunge stiffness of the whole aircraft: "
+        + ", ".join(f"{v:.1f} m/s at {k:.0f} N/m" for k, v in a.plunge),
     )
 
 
 def _unsteady(a: Aeroelastic) -> Claim:
     quasi = {(m, h, "a_w"): a.flutter(m, h) for m in MODELS for h in ALTITUDES}
     quasi |= {(m, h, "2 pi"): a.equal_slope[m, h] for m in MODELS for h in ALTITUDES}
-    change = {key: a.flutter(key[0], key[1], "theodorsen", key[2]) - V for key, V in quasi.items()}  # type: ignore[arg-type]
+    change = {key: a.flutter(key[0], key[1], "theodorsen", key[2]) - V for key, V in quasi.items()}
     mixed = [a.flutter(m, h, "theodorsen", "2 pi") - a.flutter(m, h) for m in MODELS for h in ALTITUDES]
     up = sum(x > 0.0 for x in change.values())
     return Claim(
         section="9.5",
         statement="unsteady terms sometimes raise and sometimes lower the flutter speed",
         verdict=verdict(whole=0 < up < len(change), part=any(x < 0.0 for x in mixed)),
-        numbers=f"at an equal lift slope they raise it in {up} of {len(change)} cases, by {min(change.values()):.1f} to "
-        f"{max(change.values()):.1f} m/s; against quasi-steady air of slope a_w, unsteady air of slope 2 pi changes it by "
+        numbers=f"at an equal lift slope they raise it in {up} of {len(change)} cases, by {min(change.values()):.1f} "
+        "to "
+        f"{max(change.values()):.1f} m/s; against quasi-steady air of slope a_w, unsteady air of slope 2 pi changes "
+        "it by "
         f"{min(mixed):.1f} to {max(mixed):.1f}: it is the slope that lowers it",
     )
 
@@ -186,7 +192,8 @@ def _rigid_body(a: Aeroelastic) -> Claim:
         section="9.5",
         statement="rigid-body freedom generally lowers the flutter speed",
         verdict=verdict(whole=lower == len(change), part=2 * lower > len(change)),
-        numbers=f"lower in {lower} of {len(change)} cases, by {min(change):.1f} to {max(change):+.1f} m/s; the thesis' unsteady "
+        numbers=f"lower in {lower} of {len(change)} cases, by {min(change):.1f} to {max(change):+.1f} m/s; the "
+        "thesis' unsteady "
         "columns print 14 m/s",
     )
 
@@ -198,6 +205,7 @@ def _mission(a: Aeroelastic) -> Claim:
         section="2.2",
         statement="the structure handles at least 60 m/s",
         verdict=verdict(whole=min(*speeds, *drawn) > 60.0, part=max(*speeds, *drawn) > 60.0),
-        numbers=f"without control, flutter at {min(speeds):.1f} to {max(speeds):.1f} m/s in the tables' models; the wing as drawn "
+        numbers=f"without control, flutter at {min(speeds):.1f} to {max(speeds):.1f} m/s in the tables' models; the "
+        "wing as drawn "
         f"{drawn[0]:.1f} and {drawn[1]:.1f} m/s",
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from aeroservo.aeroelastic.flutter import FlutterResult
 from aeroservo.datatypes import FlightCondition
-from aeroservo.studies.thesis import ALTITUDES, MODELS, Model, Run
+from aeroservo.studies.thesis import ALTITUDES, MODELS, Column, Model, Run
 from aeroservo.studies.thesis_aeroelastic import HIGH, SURFACES, SWEEPS, Aeroelastic
 from aeroservo.studies.thesis_fixed_k import common_ranges
 from aeroservo.studies.thesis_records import Compared, Curve, Entry, Plot, number
@@ -59,7 +59,8 @@ def _figure_14(a: Aeroelastic) -> Entry:
         thesis="A section on a torsion spring, twisted by its own lift; equations 7.5 and 7.6 give the angle and the "
         "speed at which it has no bound. Aft sweep raises that speed, forward sweep lowers it (7.11).",
         finding=f"With the inputs of the binary wing: {d['section']:.2f} m/s for the section on a spring, "
-        f"{d['linear twist']:.2f} for a wing that twists linearly, {d['uniform beam']:.2f} for a uniform beam. The tables' 81 "
+        f"{d['linear twist']:.2f} for a wing that twists linearly, {d['uniform beam']:.2f} for a uniform beam. The "
+        "tables' 81 "
         "is that of linear twist.",
         compared=(
             Compared(
@@ -81,7 +82,8 @@ def _figure_14(a: Aeroelastic) -> Entry:
                 ),
             ),
         ),
-        unsound="Equation 7.11 as printed has a wrong sign and lacks a factor s; put right, and with stiff bending, the "
+        unsound="Equation 7.11 as printed has a wrong sign and lacks a factor s; put right, and with stiff bending, "
+        "the "
         "speed rises with sweep of either sign. Equation 7.2 prints 'theta + theta' for theta_0 + theta.",
     )  # fmt: skip
 
@@ -98,8 +100,10 @@ def _figure_15(a: Aeroelastic) -> Entry:
         title="Flutter in two degrees of freedom",
         thesis="Bending and twist on two springs; growth below, at and above zero is stable, neutral, unstable (7.22).",
         finding=f"Growth of both roots of the binary wing: zero at {number(found.flutter_speed)} m/s, at "
-        f"{(found.flutter_frequency or np.nan) / 2 / np.pi:.2f} Hz. There the tip bends by {ratio:.2f} chords for each radian of twist, "
-        f"bending (down) {np.degrees(phase):.0f} degrees ahead of twist (nose up): one growing motion of both, not two.",
+        f"{(found.flutter_frequency or np.nan) / 2 / np.pi:.2f} Hz. There the tip bends by {ratio:.2f} chords for "
+        "each radian of twist, "
+        f"bending (down) {np.degrees(phase):.0f} degrees ahead of twist (nose up): one growing motion of both, not "
+        "two.",
         plots=(
             Plot(
                 title="Growth of the roots, binary wing, 10,000 ft", x_label="true airspeed, m/s",
@@ -125,17 +129,22 @@ def _figure_16(a: Aeroelastic) -> Entry:
         rows.append(
             Compared(
                 what=f"thesis' wing, open loop, {where}: flutter, divergence, lift reversal", unit="m/s", thesis=None,
-                ours=f"{number(V_f)}, {number(V_d, 5)}, {number(V_r)}", reason="pinned inputs, preset thesis-simulation",
+                ours=f"{number(V_f)}, {number(V_d, 5)}, {number(V_r)}",
+                reason="pinned inputs, preset thesis-simulation",
             )
         )  # fmt: skip
     return Entry(
         number="Fig. 16",
         title="Pitch, plunge and elevon",
-        thesis="The model of NASA's BACT wing, 'proven to comply well with the real model', is used for the simulations.",
-        finding=f"With BACT's own inputs it flutters at {psf:.2f} psf and {hertz:.2f} Hz; the tunnel's boundary is 148 to 150 psf.",
+        thesis="The model of NASA's BACT wing, 'proven to comply well with the real model', is used for the "
+        "simulations.",
+        finding=f"With BACT's own inputs it flutters at {psf:.2f} psf and {hertz:.2f} Hz; the tunnel's boundary is "
+        "148 to 150 psf.",
         compared=tuple(rows),
-        unsound="Equation 7.48 has (theta + delta) squared for the rate, 7.53 lacks cos theta in the weight of the pitch "
-        "row, 7.47's alpha_0 would count the trim twice, and appendix .3 misplaces c/2U and a sign: put right here. The "
+        unsound="Equation 7.48 has (theta + delta) squared for the rate, 7.53 lacks cos theta in the weight of the "
+        "pitch "
+        "row, 7.47's alpha_0 would count the trim twice, and appendix .3 misplaces c/2U and a sign: put right here. "
+        "The "
         "inputs of the thesis' own wing in this model are printed nowhere.",
     )
 
@@ -158,7 +167,9 @@ def _figure_26(a: Aeroelastic) -> Entry:
         ),
     ]  # fmt: skip
     rows = (
-        Compared(what="flutter", unit="m/s", thesis=56.0, ours=found.flutter_speed, reason="the thesis cuts 56.8 to 56"),
+        Compared(
+            what="flutter", unit="m/s", thesis=56.0, ours=found.flutter_speed, reason="the thesis cuts 56.8 to 56"
+        ),
         Compared(
             what="divergence", unit="m/s", thesis=90.0, ours=still.divergence.V,
             reason="'around 90' is read from the figure; the thesis' own Table 3 has 94",
@@ -201,7 +212,7 @@ def _prediction(a: Aeroelastic, figure: int, model: Model) -> Entry:
         printed = {r.column: r.printed for r in a.study.rows
                    if (r.model, r.altitude, r.quantity) == (model, altitude, "flutter")}  # fmt: skip
         for theory, slope, words in THEORIES:
-            column = "quasi" if theory == "quasi_steady_damped" else "unsteady"
+            column: Column = "quasi" if theory == "quasi_steady_damped" else "unsteady"
             rows.append(
                 Compared(
                     what=f"flutter, {words}, {where}", unit="m/s", thesis=float(printed[column]),
@@ -211,12 +222,15 @@ def _prediction(a: Aeroelastic, figure: int, model: Model) -> Entry:
             )  # fmt: skip
     real = a.study.run("aircraft", HIGH, "quasi_steady_damped").flutter.first_real_instability
     binary = (
-        "Consistent unsteady terms raise the boundary when the lift slope stays what it was; the thesis' derivatives go "
+        "Consistent unsteady terms raise the boundary when the lift slope stays what it was; the thesis' derivatives "
+        "go "
         "over to 2 pi with them, and that lowers it."
     )
     whole = (
-        "Past the boundary the quasi-steady oscillation of the whole aircraft stops swinging and becomes two real roots "
-        f"that stay unstable, at {number(real, 5)} m/s: the 'bifurcations' of the thesis. With consistent p-k the unsteady "
+        "Past the boundary the quasi-steady oscillation of the whole aircraft stops swinging and becomes two real "
+        "roots "
+        f"that stay unstable, at {number(real, 5)} m/s: the 'bifurcations' of the thesis. With consistent p-k the "
+        "unsteady "
         "result is as clear as the quasi-steady one."
     )
     return Entry(
@@ -227,8 +241,10 @@ def _prediction(a: Aeroelastic, figure: int, model: Model) -> Entry:
         finding=binary if model == "binary" else whole,
         compared=tuple(rows),
         plots=tuple(plots),
-        unsound="The unsteady columns hold the oscillatory derivatives at one reduced frequency for every speed and mode "
-        "(7.34-7.36), and appendix .2 prints 1/9 for 1/8 in M_theta and stray factors k. A held k is right only where it "
+        unsound="The unsteady columns hold the oscillatory derivatives at one reduced frequency for every speed and "
+        "mode "
+        "(7.34-7.36), and appendix .2 prints 1/9 for 1/8 in M_theta and stray factors k. A held k is right only "
+        "where it "
         "is the flutter's own; p-k, beside it, makes it so.",
     )
 
@@ -261,7 +277,8 @@ def _figure_29(a: Aeroelastic) -> Entry:
         number="Fig. 29",
         title="Damping over speed and altitude",
         thesis="The flutter speed depends on density, which decreases with altitude.",
-        finding=f"True flutter speed rises from {V[0]:.1f} m/s at sea level to {V[-1]:.1f} m/s at {height[-1]:.0f} m; equivalent "
+        finding=f"True flutter speed rises from {V[0]:.1f} m/s at sea level to {V[-1]:.1f} m/s at {height[-1]:.0f} "
+        "m; equivalent "
         f"airspeed stays between {np.nanmin(equivalent):.1f} and {np.nanmax(equivalent):.1f} m/s.",
         plots=(
             Plot(
@@ -320,7 +337,7 @@ def _held(a: Aeroelastic) -> Entry:
                 Curve(name=f"slope {h.slope}", x=np.log10(h.curve.k), y=np.array(h.curve.flutter_speed)) for h in mine
             ]
             points = [
-                Curve(name=f"p-k, {h.slope}", x=[np.log10(h.own_k)], y=[h.own_speed], points=True)  # type: ignore[arg-type]
+                Curve(name=f"p-k, {h.slope}", x=[np.log10(h.own_k)], y=[h.own_speed], points=True)
                 for h in mine
                 if h.own_k is not None
             ]
@@ -338,6 +355,7 @@ def _held(a: Aeroelastic) -> Entry:
         finding="k that prints both altitudes: " + "; ".join(said) + ".",
         compared=tuple(rows),
         plots=tuple(plots),
-        unsound="Derivatives held at a k belong to motion at that k. Only where k = omega b/V of the flutter itself do they "
+        unsound="Derivatives held at a k belong to motion at that k. Only where k = omega b/V of the flutter itself "
+        "do they "
         "describe it; there they agree with p-k. At any other k the speed is that of a motion which does not occur.",
     )

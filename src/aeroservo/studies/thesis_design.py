@@ -101,11 +101,11 @@ def thesis_design() -> Design:
     model = read_aircraft("thesis-uav")
     alpha = np.radians(np.arange(-5.0, 14.01, 1.0))
     case = WingCase(model=model, alpha=alpha, delta=np.radians(FLAPS), speed=SPEED, viscosity=1.4607e-5)
-    models = {kind: with_control_kind(model, kind) for kind in ("hinged", "morphed")}  # type: ignore[arg-type]
+    models = {kind: with_control_kind(model, kind) for kind in ("hinged", "morphed")}
     return Design(
         model=model,
         foil=airfoil("mh62"),
-        sections={kind: shipped_polar("mh62", kind) for kind in models},  # type: ignore[arg-type]
+        sections={kind: shipped_polar("mh62", kind) for kind in models},
         lattices={kind: aircraft_lattice(m.surfaces(), m.references()) for kind, m in models.items()},
         polars={kind: replace(case, model=m).polars() for kind, m in models.items()},
         alpha=alpha,
@@ -208,10 +208,7 @@ def outlines(design: Design, delta: float) -> dict[str, Airfoil]:
         "hinged" and "morphed".
     """
     d = float(np.radians(delta))
-    return {
-        kind: deflected(design.foil, HINGE, d, kind=kind, reading="same_drop")  # type: ignore[arg-type]
-        for kind in ("hinged", "morphed")
-    }
+    return {kind: deflected(design.foil, HINGE, d, kind=kind, reading="same_drop") for kind in ("hinged", "morphed")}
 
 
 def airfoil_numbers(design: Design) -> tuple[float, float, float, float]:

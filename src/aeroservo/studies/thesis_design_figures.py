@@ -1,4 +1,4 @@
-"""Table 1 and Figures 2 to 6, 18, 19 and 21 to 25 of the thesis beside ours, and its claims about efficiency."""
+"""Table 1 and Figures 2 to 6, 18, 19 and 21 to 25 of the thesis beside ours."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ from aeroservo.studies.thesis_design import (
     CRUISE_CL,
     FLAPS,
     SPEED,
-    TAPERS,
     Design,
     Morphing,
     airfoil_numbers,
     morphing,
     outlines,
 )
-from aeroservo.studies.thesis_records import Claim, Compared, Curve, Entry, Plot, verdict
+from aeroservo.studies.thesis_records import Compared, Curve, Entry, Plot
 
 REYNOLDS = (0.5e6, 1.0e6, 1.5e6, 2.5e6)
 
@@ -124,7 +123,8 @@ def _figure_2(design: Design) -> Entry:
         number="Fig. 2",
         title="Airfoil MH 62",
         thesis="A flying-wing section, 9.30 % thick, with a very small moment coefficient.",
-        finding=f"{100 * t:.2f} % thick at {100 * x:.0f} % of the chord. Moment at zero lift {thin:+.4f} by thin-aerofoil "
+        finding=f"{100 * t:.2f} % thick at {100 * x:.0f} % of the chord. Moment at zero lift {thin:+.4f} by "
+        "thin-aerofoil "
         f"theory and {polar:+.4f} by XFOIL at Re 1 million.",
         compared=(Compared(what="thickness", unit="%", thesis=9.30, ours=100.0 * t, reason="public coordinates"),),
         plots=(
@@ -152,8 +152,10 @@ def _figure_3(design: Design) -> Entry:
         number="Fig. 3",
         title="Weight and lift of a conventional aircraft",
         thesis="The wing must carry the weight and the tail's down force; moving the centre of gravity aft lessens it.",
-        finding=f"For the flying wing the elevon stands in the tailplane's place: with 10 % static margin it takes away "
-        f"{-100 * at[0.1]:.0f} % of the weight in lift, with the centre of gravity 5 % behind the neutral point it adds "
+        finding="For the flying wing the elevon stands in the tailplane's place: with 10 % static margin it takes "
+        "away "
+        f"{-100 * at[0.1]:.0f} % of the weight in lift, with the centre of gravity 5 % behind the neutral point it "
+        "adds "
         f"{100 * at[-0.05]:.0f} %; it carries nothing at a static margin of {-100 * zero:.1f} %.",
         plots=(
             Plot(
@@ -175,7 +177,8 @@ def _figure_4(design: Design) -> Entry:
         i = int(np.nanargmax(ratio))
         ahead = float(np.interp(0.1, trim.static_margin, ratio))
         words.append(
-            f"{kind}: {ahead:.1f} with 10 % static margin, {float(np.interp(0.0, trim.static_margin, ratio)):.1f} at the "
+            f"{kind}: {ahead:.1f} with 10 % static margin, {float(np.interp(0.0, trim.static_margin, ratio)):.1f} at "
+            "the "
             f"neutral point, best {ratio[i]:.1f} at {100 * trim.static_margin[i]:+.0f} %"
         )
     return Entry(
@@ -201,13 +204,18 @@ def _figures_5_6(design: Design, more: Morphing) -> tuple[Entry, Entry]:
         ("Fig. 6", "morphed", "A bent trailing edge; the maker quotes up to 12 % of fuel saved."),
     ):
         points = shapes[kind].points
-        finding = f"Ten degrees down about 75 % of the chord: the trailing edge drops by {-100 * points[0, 1]:.1f} % of it."
+        finding = (
+            f"Ten degrees down about 75 % of the chord: the trailing edge drops by {-100 * points[0, 1]:.1f} % of it."
+        )
         if kind == "morphed":
             gains = [100.0 * (design.at_equal_lift(1e6, d, more.polar) - 1.0) for d in (5.0, 10.0)]
             finding += (
-                f" With the same drop it gives {more.same_drop:.2f} times the hinge's lift per angle (thin aerofoil; XFOIL "
-                f"{more.polar:.2f}), with the same slope at the trailing edge {more.same_slope:.2f}. Best section L/D at "
-                f"+5 and +10 deg against a hinge of the same lift: {gains[0]:+.0f} and {gains[1]:+.0f} % (Re 1 million); "
+                f" With the same drop it gives {more.same_drop:.2f} times the hinge's lift per angle (thin aerofoil; "
+                "XFOIL "
+                f"{more.polar:.2f}), with the same slope at the trailing edge {more.same_slope:.2f}. Best section "
+                "L/D at "
+                f"+5 and +10 deg against a hinge of the same lift: {gains[0]:+.0f} and {gains[1]:+.0f} % (Re 1 "
+                "million); "
                 "fuel is not computed here."
             )
         entries.append(
@@ -296,7 +304,8 @@ def _figure_21(design: Design) -> Entry:
         title="Section L/D for flap settings and Reynolds numbers",
         thesis="Of flaps from -10 to 10 degrees, 10 degrees down has the highest L/D, Re 0.5 to 2.5 million.",
         finding=f"So it is at every Reynolds number, at the edge of what was tried: +15 deg is better still "
-        f"({table[1e6][15.0]:.0f} against {table[1e6][10.0]:.0f} at Re 1 million). Untrimmed: the section's moment there "
+        f"({table[1e6][15.0]:.0f} against {table[1e6][10.0]:.0f} at Re 1 million). Untrimmed: the section's moment "
+        "there "
         "must be held by something.",
         compared=rows,
         plots=(
@@ -324,7 +333,9 @@ def _wing_figure(design: Design, kind: str, *, viscous: bool) -> Entry:
     plots = tuple(
         Plot(
             title=name, x_label="angle of attack, deg", y_label=name, y_range=room,
-            curves=tuple(Curve(name=f"{d:+g} deg" if d else "0 deg", x=degrees, y=of(p)) for d, p in zip(FLAPS, polars)),
+            curves=tuple(
+                Curve(name=f"{d:+g} deg" if d else "0 deg", x=degrees, y=of(p)) for d, p in zip(FLAPS, polars)
+            ),
         )
         for name, of, room in quantities
     )  # fmt: skip
@@ -332,7 +343,9 @@ def _wing_figure(design: Design, kind: str, *, viscous: bool) -> Entry:
     top = max(best, key=lambda d: best[d][0])
     if viscous:
         listed = ", ".join(f"{best[d][0]:.1f}" for d in FLAPS)
-        finding = f"Best L/D at flaps of -10, -5, 0, +5, +10 deg: {listed}; highest at {top:+g} deg, CL {best[top][1]:.2f}."
+        finding = (
+            f"Best L/D at flaps of -10, -5, 0, +5, +10 deg: {listed}; highest at {top:+g} deg, CL {best[top][1]:.2f}."
+        )
     else:
         ratio = design.best_of_wing(kind, 0.0, viscous=False)[0]
         finding = (
@@ -348,100 +361,4 @@ def _wing_figure(design: Design, kind: str, *, viscous: bool) -> Entry:
         + f" Elevon lift {design.slope(kind):.3f}/rad. Strips that ask more of their section than its polar has end a "
         "curve.",
         plots=plots,
-    )
-
-
-def design_claims(design: Design) -> tuple[Claim, ...]:
-    """What the thesis says about efficiency, judged.
-
-    Parameters
-    ----------
-    design : Design
-        Of `thesis_design`.
-
-    Returns
-    -------
-    claims : tuple of Claim
-        In the thesis' order.
-    """
-    more = morphing(design)
-    return (_cg_claim(design), _taper_claim(design), *_flap_claims(design), *_morphing_claims(design, more))
-
-
-def _cg_claim(design: Design) -> Claim:
-    trim = design.trims["hinged"]
-    ratio, margin = trim.polar.lift_to_drag, trim.static_margin
-    good = np.isfinite(ratio)
-    at = {m: float(np.interp(m, margin[good], ratio[good])) for m in (0.1, 0.05, 0.0, -0.05, -0.1)}
-    rises = at[0.1] < at[0.05] < at[0.0]
-    return Claim(
-        section="3.4, Fig. 4",
-        statement="an aft centre of gravity is more efficient",
-        verdict=verdict(whole=rises and at[0.0] < at[-0.05] < at[-0.1], part=rises),
-        numbers=f"trimmed L/D {at[0.1]:.1f}, {at[0.05]:.1f}, {at[0.0]:.1f}, {at[-0.05]:.1f}, {at[-0.1]:.1f} at static margins of "
-        "10, 5, 0, -5, -10 %",
-    )
-
-
-def _taper_claim(design: Design) -> Claim:
-    best = {sweep: TAPERS[int(np.argmax(e))] for sweep, e in design.efficiency.items()}
-    loss = {sweep: float(e.max() - e[TAPERS.index(0.4)]) for sweep, e in design.efficiency.items()}
-    return Claim(
-        section="3.4, 9.1.3",
-        statement="a taper of 0.4 comes closest to the elliptic wing",
-        verdict=verdict(whole=all(abs(b - 0.4) < 0.05 for b in best.values()), part=max(loss.values()) < 0.005),
-        numbers=f"induced drag is least at a taper of {best[0.0]:g} unswept and {best[23.0]:g} with 23 deg of sweep; 0.4 costs "
-        f"{100 * loss[0.0]:.2f} and {100 * loss[23.0]:.2f} %",
-    )
-
-
-def _flap_claims(design: Design) -> tuple[Claim, ...]:
-    table = {re: {d: design.best("hinged", d, re) for d in (*FLAPS, 15.0)} for re in REYNOLDS}
-    ten = all(max(FLAPS, key=lambda d, re=re: table[re][d]) == 10.0 for re in REYNOLDS)  # type: ignore[misc]
-    wing = {d: design.best_of_wing("hinged", d)[0] for d in FLAPS}
-    top = max(wing, key=lambda d: wing[d])
-    inviscid = design.best_of_wing("hinged", 0.0, viscous=False)[0]
-    return (
-        Claim(
-            section="9.1.1, Fig. 21",
-            statement="the section has its best L/D with the flap 10 degrees down",
-            verdict=verdict(whole=ten, part=table[1e6][10.0] > table[1e6][0.0]),
-            numbers=f"among -10 to +10 deg at each of Re 0.5 to 2.5 million; Re 1 million: {table[1e6][0.0]:.0f} at 0, "
-            f"{table[1e6][10.0]:.0f} at +10, and {table[1e6][15.0]:.0f} beyond it at +15",
-        ),
-        Claim(
-            section="9.1.1",
-            statement="efficiency is somewhat higher with the flap down",
-            verdict=verdict(whole=top >= 10.0, part=table[1e6][10.0] > table[1e6][0.0]),
-            numbers=f"the section gains {100 * (table[1e6][10.0] / table[1e6][0.0] - 1):.0f} % at +10 deg, Re 1 million; the wing "
-            f"with elevons on its outer halves and 5 deg of washout has {wing[0.0]:.1f} at 0, {wing[5.0]:.1f} at +5 and "
-            f"{wing[10.0]:.1f} at +10",
-        ),
-        Claim(
-            section="9.1.3",
-            statement="viscous polars give a much smaller L/D than inviscid ones",
-            verdict=verdict(whole=wing[0.0] < 0.7 * inviscid, part=wing[0.0] < inviscid),
-            numbers=f"{wing[0.0]:.1f} against {inviscid:.1f} at the same lift, flaps 0",
-        ),
-    )
-
-
-def _morphing_claims(design: Design, more: Morphing) -> tuple[Claim, ...]:
-    gains = [design.at_equal_lift(1e6, d, more.polar) - 1.0 for d in (5.0, 10.0)]
-    wing = {k: max(design.best_of_wing(k, d)[0] for d in FLAPS) for k in ("hinged", "morphed")}
-    return (
-        Claim(
-            section="9.1.3",
-            statement="the morphed elevon gives more lift per angle than the hinged one",
-            verdict=verdict(whole=more.same_slope > 1.0 and more.wing > 1.0, part=more.wing > 1.0),
-            numbers=f"{more.same_drop:.2f} times (section) and {more.wing:.2f} times (wing) if equal angle means equal drop of "
-            f"the trailing edge; {more.same_slope:.2f} if it means equal slope there",
-        ),
-        Claim(
-            section="9.1.3",
-            statement="otherwise morphing is a small improvement only",
-            verdict=verdict(whole=all(0.0 < g < 0.1 for g in gains), part=any(abs(g) < 0.1 for g in gains)),
-            numbers=f"section L/D {100 * gains[0]:+.0f} and {100 * gains[1]:+.0f} % at +5 and +10 deg against a hinge of the "
-            f"same lift, Re 1 million; best of the untrimmed wing {wing['morphed']:.1f} against {wing['hinged']:.1f}",
-        ),
     )

@@ -10,7 +10,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from aeroservo.datatypes import Array
 from aeroservo.studies.surface import DampingSurface
 
 Verdict = Literal["holds", "holds in part", "does not hold"]
@@ -24,15 +23,15 @@ class Curve:
     ----------
     name : str
         In the legend.
-    x, y : ndarray, shape (n,)
-        Points. [axis]
+    x, y : array_like, shape (n,)
+        Points; kept as arrays. [axis]
     points : bool
         Drawn as points, not as a line.
     """
 
     name: str
-    x: Array
-    y: Array
+    x: Any
+    y: Any
     points: bool = False
 
     def __post_init__(self) -> None:
