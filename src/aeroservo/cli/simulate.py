@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -28,7 +29,7 @@ from aeroservo.cli.output import heading, not_yet, number, print_json, table, wr
 if TYPE_CHECKING:
     from aeroservo.aircraft.schema_base import FileModel
     from aeroservo.datatypes import AeroelasticModel, LinearSystem
-    from aeroservo.simulate.disturbances import Gustiness
+    from aeroservo.simulate.disturbances import Doublet, Gustiness
     from aeroservo.simulate.engine import Simulation
     from aeroservo.simulate.profiles import Profile
 
@@ -76,6 +77,22 @@ Initial = Annotated[
     list[str] | None,
     typer.Option("--initial", metavar="STATE=VALUE", help="Start off the equilibrium (pitch_rad=0.02); repeatable."),
 ]
+Doublets = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--doublet",
+        metavar="DEG:S@T",
+        help="DEG one way then the other in S seconds from T, or CONTROL=...; repeatable.",
+    ),
+]
+Runs = Annotated[
+    int | None, typer.Option("--runs", metavar="N", help="Monte Carlo: that many runs; --out .csv, .json.")
+]
+Workers = Annotated[int | None, typer.Option("--workers", metavar="M", help="Processes of --runs (default: cores).")]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option("--vary", metavar="FIELD=LAW", help="With --runs: normal:MEAN:SD or uniform:LOW:HIGH; repeatable."),
+]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Of turbulence and sensor noise.")]
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the history, .nc, .csv or .mat.")]
 
@@ -96,7 +113,11 @@ def simulate(
     spectrum: TurbulenceSpectrum = None,
     specification: Specified = None,
     controller: Controller = None,
+    doublet: Doublets = None,
     initial: Initial = None,
+    runs: Runs = None,
+    workers: Workers = None,
+    vary: Vary = None,
     seed: Seed = 0,
     altitude: Altitude = None,
     density: Density = None,
@@ -128,10 +149,16 @@ def simulate(
         Of its scale lengths.
     controller : Path, optional
         Controller file that closes the loop.
+    doublet : list of str, optional
+        Commands from outside.
     initial : list of str, optional
         States at the start.
+    runs, workers : int, optional
+        Monte Carlo: how many runs, on how many processes.
+    vary : list of str, optional
+        Numbers of the model file that differ from run to run.
     seed : int
-        Of turbulence and noise.
+        Of turbulence and noise, and of what varies.
     altitude, density : float, optional
         Of the air. [m, kg/m^3]
     aero : AeroTheory, optional
@@ -158,14 +185,19 @@ def simulate(
     from aeroservo.simulate.history import history_bytes
     from aeroservo.simulate.scenario import Stepping
 
-    checked_output(out, (".nc", ".csv", ".mat"), "--out")
+    if runs is None and (workers is not None or vary):
+        raise ValueError("--workers and --vary go with --runs N")
+    if runs is not None and plot is not None:
+        raise ValueError("--plot draws one run: leave out --runs")
+    checked_output(out, (".nc", ".csv", ".mat") if runs is None else (".csv", ".json"), "--out")
     checked_output(plot, PLOTS, "--plot")
     file = read(model)
     plant, flown, notes = _flown(file, speed, profile, altitude, density, aero, fit_bound)
     gusts = tuple(parse_gust(text) for text in gust or ())
     weather = _weather(turbulence, spectrum, specification)
+    doublets = tuple(_doublet(text) for text in doublet or ())
     start = tuple(_initial(text) for text in initial or ())
-    if not (gusts or weather or start):
+    if not (gusts or weather or doublets or start):
         start = ((_first_state(plant), KICK),)
         notes.append(f"nothing disturbs the model: it starts with {start[0][0]} = {KICK:g}")
     length = duration if duration is not None else flown.duration or DURATION
@@ -174,9 +206,20 @@ def simulate(
         duration=length,
         controller=None if controller is None else read_controller(controller),
         gusts=gusts,
+        doublets=doublets,
         turbulence=weather,
         initial=start,
     )
+    height = None if flown.moving else (float(flown.altitude[0]) if flown.altitude is not None else None)
+    air = None if flown.moving else float(flown.condition(0.0).rho)
+    if runs is not None:
+        from aeroservo.cli.ensemble import run_many
+
+        tell(notes)
+        many: dict[str, Any] = {"runs": runs, "workers": workers, "vary": vary or [], "seed": seed}
+        many |= {"aero": aero, "fit_bound": fit_bound, "out": out, "as_json": as_json}
+        run_many(heading(file.name, height, air, notes), file, plant, scenario, **many)
+        return
     found = run(plant, scenario, seed=seed, stepping=Stepping())
     notes += found.warnings
     if found.overflow_at is not None:
@@ -189,8 +232,6 @@ def simulate(
         from aeroservo.report.gust_figures import flight_figure
 
         draw(plot, flight_figure(found.history, scenario, f"{file.name}: time history"))
-    height = None if flown.moving else (float(flown.altitude[0]) if flown.altitude is not None else None)
-    air = None if flown.moving else float(flown.condition(0.0).rho)
     if as_json:
         print_json(heading(file.name, height, air, notes) | _content(found))
         return
@@ -267,6 +308,21 @@ def _weather(text: str | None, spectrum: Spectrum | None, specification: Specifi
         model=(spectrum or Spectrum.dryden).value,
         specification=(specification or Specification.mil_f_8785c).value,
     )
+
+
+def _doublet(text: str) -> Doublet:
+    """[CONTROL=]DEG:S@T."""
+    from aeroservo.simulate.disturbances import Doublet
+
+    control, equals, rest = text.rpartition("=")
+    try:
+        amplitude, rest = rest.split(":")
+        duration, start = rest.split("@")
+        numbers = math.radians(float(amplitude)), float(duration), float(start)
+    except ValueError:
+        raise ValueError(f"--doublet {text[:80]!r} must be DEG:S@T or CONTROL=DEG:S@T") from None
+    name = f"{control}_command_rad" if equals and not control.endswith("_command_rad") else control
+    return Doublet(amplitude=numbers[0], duration=numbers[1], start=numbers[2], command=name)
 
 
 def _initial(text: str) -> tuple[str, float]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from hashlib import sha256
-from multiprocessing import get_context
+from multiprocessing.context import SpawnContext, SpawnProcess
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from aeroservo.simulate.engine import run_prepared
 from aeroservo.simulate.prepare import prepare
 from aeroservo.simulate.scenario import Scenario, Stepping
 
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Variant:
@@ -28,14 +31,14 @@ class Variant:
     ----------
     name : str
         What to call it; names of variants differ.
-    model : AeroelasticModel or LinearSystem
-        What is simulated.
+    model : AeroelasticModel, LinearSystem or callable
+        What is simulated; a callable without arguments makes the model in the process that runs it.
     scenario : Scenario
         What happens.
     """
 
     name: str
-    model: AeroelasticModel | LinearSystem
+    model: AeroelasticModel | LinearSystem | Callable[[], AeroelasticModel]
     scenario: Scenario
 
 
@@ -175,6 +178,9 @@ def ensemble(
 def local_pool(workers: int | None = None) -> ProcessPoolExecutor:
     """A pool of processes on this machine, started afresh (not forked: threads and compiled code stay whole).
 
+    Each keeps to one thread of linear algebra, unless the environment says otherwise: the runs are what goes side by
+    side.
+
     Parameters
     ----------
     workers : int, optional
@@ -185,7 +191,34 @@ def local_pool(workers: int | None = None) -> ProcessPoolExecutor:
     pool : ProcessPoolExecutor
         To be used with `with`.
     """
-    return ProcessPoolExecutor(max_workers=workers or os.cpu_count(), mp_context=get_context("spawn"))
+    return ProcessPoolExecutor(
+        max_workers=workers or os.cpu_count(), mp_context=_OneThread(), initializer=_leave_interrupts
+    )
+
+
+def _leave_interrupts() -> None:
+    """Ctrl-C is for the process that asked: workers end their task and are told to stop."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+class _Alone(SpawnProcess):
+    """A process whose libraries of linear algebra start one thread."""
+
+    def start(self) -> None:
+        """Start with the environment that those libraries read when they are loaded."""
+        own = {name: "1" for name in _THREADS if name not in os.environ}
+        os.environ.update(own)
+        try:
+            super().start()
+        finally:
+            for name in own:
+                os.environ.pop(name, None)
+
+
+class _OneThread(SpawnContext):
+    """Spawned processes of one thread each."""
+
+    Process = _Alone
 
 
 def run_batch(variant: Variant, seeds: list[int], stepping: Stepping) -> dict[str, Any]:
@@ -205,7 +238,8 @@ def run_batch(variant: Variant, seeds: list[int], stepping: Stepping) -> dict[st
     found : dict
         channels, and lists of peak, rms, duration, survived: what JSON takes.
     """
-    prepared = prepare(variant.model, variant.scenario, stepping)
+    model = variant.model() if callable(variant.model) else variant.model
+    prepared = prepare(model, variant.scenario, stepping)
     found = [run_prepared(prepared, seed=seed) for seed in seeds]
     return {
         "channels": list(found[0].channels),
