@@ -14,6 +14,7 @@ from aeroservo.cli.flutter import flutter
 from aeroservo.cli.gust import gust
 from aeroservo.cli.output import not_yet
 from aeroservo.cli.polar import polar
+from aeroservo.cli.report import report
 from aeroservo.cli.simulate import simulate
 from aeroservo.cli.studio import studio
 
@@ -29,7 +30,6 @@ app = typer.Typer(
 
 #: Commands of the contract that this version does not have.
 LATER = {
-    "report": "a study in one file",
     "study": "the thesis re-run",
 }
 
@@ -68,6 +68,7 @@ app.command("simulate", help="Time histories in gusts, turbulence and closed loo
 app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
 app.command("studio", help="A study, live in the browser on 127.0.0.1.")(studio)
 app.command("envelope", help="Boundaries over speed and altitude, with and without control.")(envelope)
+app.command("report", help="Everything about a model in one offline page.")(report)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
 app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
 

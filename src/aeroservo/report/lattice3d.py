@@ -9,6 +9,7 @@ have at its own y.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -111,6 +112,24 @@ def lattice3d(file: FileModel, model: AeroelasticModel) -> Lattice3D:
     return Lattice3D(patches=tuple(patches), names=(*modes.names, *controls), shapes=np.array(shapes))
 
 
+def rigid_lattice(file: AircraftFile) -> Lattice3D:
+    """Surfaces of an aircraft that does not bend.
+
+    Parameters
+    ----------
+    file : AircraftFile
+        With or without a structure.
+
+    Returns
+    -------
+    lattice : Lattice3D
+        Without shapes. [m]
+    """
+    patches = _aircraft(file)
+    count = sum(p.points.shape[0] * p.points.shape[1] for p in patches)
+    return Lattice3D(patches=tuple(patches), names=(), shapes=np.zeros((0, count, 3)))
+
+
 def _antisymmetric(file: FileModel) -> bool:
     root = file.structure if isinstance(file, AircraftFile) else file.wing if isinstance(file, BeamWing) else None
     return root is not None and root.root == "free" and root.symmetry == "antisymmetric"
@@ -189,7 +208,7 @@ def _aircraft(file: AircraftFile) -> list[Patch]:
         kind: Literal["wing", "other"] = "wing" if surface.name == carrier else "other"
         cuts = [0.0, 1.0, *(x for c in surface.controls for x in (c.span_from, c.span_to))]
         ends = np.unique(np.round(cuts, 9))
-        for a, b in zip(ends[:-1], ends[1:]):
+        for a, b in pairwise(ends):
             control = next((c for c in surface.controls if c.span_from <= 0.5 * (a + b) <= c.span_to), None)
             f = np.linspace(a, b, max(3, round(ACROSS * (b - a)) + 1))
             edge, chord, twist = section_at(surface, f)
@@ -222,7 +241,7 @@ def _along(file: Any, grid: Array, y: Array, chord: Array, axis: Array, both: bo
     if isinstance(file, BeamWing) and elevon is not None:
         ends = [(v - y[0]) / (y[-1] - y[0]) for v in (elevon.from_y_m, elevon.to_y_m)]
     out = []
-    for a, b in zip(cuts := sorted({0.0, 1.0, *ends}), cuts[1:]):
+    for a, b in pairwise(sorted({0.0, 1.0, *ends})):
         here = np.linspace(a, b, max(3, round(ACROSS * (b - a))))
         moving = elevon is not None and ends[0] <= 0.5 * (a + b) <= ends[1]
         yy, xf, cc, ff = (np.interp(here, at, v) for v in (span, foot, c, f))
