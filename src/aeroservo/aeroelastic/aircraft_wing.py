@@ -39,11 +39,14 @@ from scipy.interpolate import PchipInterpolator
 from aeroservo.aero.strip import StripControl, Strips
 from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aero.vlm_loads import span_loading
+from aeroservo.aeroelastic.aircraft_axis import FlexuralAxis, carrier, structure_of
 from aeroservo.aeroelastic.aircraft_lattice import ANTISYMMETRIC, DEFAULT, aircraft_lattice
 from aeroservo.aeroelastic.build_beam import StripWing
 from aeroservo.aeroelastic.material import material
-from aeroservo.aircraft.aircraft_schema import AircraftFile, Structure
-from aeroservo.aircraft.geometry import LiftingSurface, span_stations
+from aeroservo.aeroelastic.wing_servo import PlacedSensor
+from aeroservo.aircraft.aircraft_schema import AircraftFile
+from aeroservo.aircraft.geometry import span_stations
+from aeroservo.aircraft.schema_servo import AircraftSensor
 from aeroservo.datatypes import Array
 from aeroservo.structure.beam_axis import BeamMass, SlenderBeam
 
@@ -182,9 +185,9 @@ def aircraft_wing(model: AircraftFile, loading: SectionLoading | None = None) ->
     >>> round(aircraft_wing(read("thesis-uav")).beam.length, 4)  # 1 m of span, swept by 19.4 degrees
     1.0599
     """
-    axis = _Axis.of(model)
+    axis = FlexuralAxis.of(model)
     loading = section_loading(model) if loading is None else loading
-    surface, root = carrier(model), _structure(model)
+    surface, root = carrier(model), structure_of(model)
     chosen = [
         name
         for name in sorted(loading.names, key=lambda name: not name.endswith(ANTISYMMETRIC))
@@ -200,94 +203,21 @@ def aircraft_wing(model: AircraftFile, loading: SectionLoading | None = None) ->
         strips=lambda s, width: _strips(axis, loading, chosen, s, width, rolls=rolls),
         breaks=tuple(np.interp(np.array(ends) * axis.r[-1], axis.r, axis.s).tolist()),
         rolling=(lambda s, width: _strips(axis, loading, chosen, s, width, rolls=True)) if both else None,
+        sensors=tuple(
+            PlacedSensor(sensor=x, y=y, aft=aft) for x in model.sensor for y, aft in [axis.place(x.x_m, x.y_m)]
+        ),
     )
 
 
-def carrier(model: AircraftFile) -> LiftingSurface:
-    """The surface that carries the beam.
-
-    Parameters
-    ----------
-    model : AircraftFile
-        With `[structure]`.
-
-    Returns
-    -------
-    surface : LiftingSurface
-        Of the file. [SI]
-
-    Raises
-    ------
-    ValueError
-        If the file has no structure.
-
-    References
-    ----------
-    Project convention: model files, kind "aircraft".
-
-    Examples
-    --------
-    >>> from aeroservo.aircraft.files import read
-    >>> carrier(read("thesis-uav")).name
-    'wing'
-    """
-    structure = _structure(model)
-    return next(s for s in model.surfaces() if s.name == structure.surface)
+def _placed(axis: FlexuralAxis, sensor: AircraftSensor) -> PlacedSensor:
+    """A sensor of the file on the beam."""
+    along, aft = axis.place(sensor.x_m, sensor.y_m)
+    return PlacedSensor(sensor=sensor, y=along, aft=aft)
 
 
-def _structure(model: AircraftFile) -> Structure:
-    """The structure of the file."""
-    if model.structure is None:
-        raise ValueError(
-            "structure: this aircraft has no [structure] table, so it is rigid: give EI, GJ, mass and inertia along "
-            "the span of one surface ([[structure.station]]; `aeroservo new thesis-uav` writes a commented example)"
-        )
-    return model.structure
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Axis:
-    """The flexural axis at all its corners (n), straight between; developed where there is dihedral."""
-
-    y: Array  # [m] from the plane of symmetry
-    r: Array  # [m] developed span from the root
-    s: Array  # [m] along the axis from the root
-    x: Array  # [m] aft
-    chord: Array  # [m] streamwise
-    flexural: Array  # [-] x/c
-    sweep: Array  # (n - 1,) [rad] of the panels
-
-    @staticmethod
-    def of(model: AircraftFile) -> _Axis:
-        """Corners at all stations of the structure and sections of the surface."""
-        surface, stations = carrier(model), _structure(model).station
-        sections = surface.leading_edge
-        if np.any(np.diff(sections[:, 1]) <= 0.0):
-            raise ValueError(
-                f"structure.surface {surface.name!r}: a beam needs a surface that runs outboard, y_m ascending from "
-                f"section to section [m], got {sections[:, 1].tolist()}"
-            )
-        given = np.array([station.y_m for station in stations])
-        given[[0, -1]] = sections[[0, -1], 1]
-        between = [y for y in sections[:, 1] if np.abs(given - y).min() > 1e-6]
-        y = np.sort(np.concatenate([given, between]))
-        chord = np.interp(y, sections[:, 1], surface.chords)
-        flexural = np.interp(y, given, [station.flexural_axis for station in stations])
-        x = np.interp(y, sections[:, 1], sections[:, 0]) + flexural * chord
-        r = np.interp(y, sections[:, 1], span_stations(surface))
-        s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(r)))])
-        # rounded, so that panels in line have one sweep to the last bit, and one set of lag states
-        sweep = np.round(np.arctan2(np.diff(x), np.diff(r)), 12)
-        return _Axis(y=y, r=r, s=s, x=x, chord=chord, flexural=flexural, sweep=sweep)
-
-    def panel(self, s: Array) -> Array:
-        """Numbers of the panels at places along the axis."""
-        return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.sweep) - 1)
-
-
-def _beam(model: AircraftFile, axis: _Axis) -> SlenderBeam:
+def _beam(model: AircraftFile, axis: FlexuralAxis) -> SlenderBeam:
     """Stations at the corners of the axis, and just inboard of those where the mass per length jumps."""
-    structure = _structure(model)
+    structure = structure_of(model)
     given = [station.y_m for station in structure.station]
     per_length = np.diff(axis.y) / np.diff(axis.s)
     jumps = np.flatnonzero(np.abs(np.diff(per_length)) > CORNER * per_length[1:])
@@ -317,10 +247,10 @@ def _beam(model: AircraftFile, axis: _Axis) -> SlenderBeam:
     )
 
 
-def _lumps(model: AircraftFile, axis: _Axis) -> tuple[BeamMass, ...]:
+def _lumps(model: AircraftFile, axis: FlexuralAxis) -> tuple[BeamMass, ...]:
     """Mass items that are not spread over a surface: on the plane of symmetry half of each at the root."""
     out = []
-    symmetric = _structure(model).symmetry == "symmetric"
+    symmetric = structure_of(model).symmetry == "symmetric"
     corners = np.stack([axis.x, axis.y], axis=1)
     steps = np.diff(corners, axis=0)
     for item in model.mass:
@@ -357,7 +287,7 @@ def _lumps(model: AircraftFile, axis: _Axis) -> tuple[BeamMass, ...]:
 
 
 def _strips(
-    axis: _Axis, loading: SectionLoading, controls: list[str], s: Array, width: Array, *, rolls: bool
+    axis: FlexuralAxis, loading: SectionLoading, controls: list[str], s: Array, width: Array, *, rolls: bool
 ) -> Strips:
     """Sections normal to the axis that carry the loading of the streamwise ones."""
     y, sweep = np.interp(s, axis.s, axis.y), axis.sweep[axis.panel(s)]

@@ -18,17 +18,20 @@ from aeroservo.aero.strip import (
     strip_aero,
     strip_shapes,
 )
+from aeroservo.aeroelastic.aircraft_lattice import ANTISYMMETRIC
 from aeroservo.aeroelastic.aircraft_wing import aircraft_wing
 from aeroservo.aeroelastic.build_beam import beam_model, beam_wing
 from aeroservo.aeroelastic.material import material
 from aeroservo.aeroelastic.pitch_plunge import pitch_plunge_model
+from aeroservo.aeroelastic.wing_servo import PlacedSensor, actuator, sensor, sensors_on_shapes
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.aircraft.schema_other import ModalFile, PitchPlungeFlap
 from aeroservo.aircraft.schema_section import TypicalSection
 from aeroservo.aircraft.schema_wing import AircraftWing, BinaryWing, WholeAircraft
-from aeroservo.datatypes import AeroelasticModel, AeroInput, Array, ModalModel, SampledAero, Spring
+from aeroservo.datatypes import AeroelasticModel, AeroInput, Array, ModalModel, RationalAero, SampledAero, Spring
+from aeroservo.servo import Actuator
 from aeroservo.structure.assumed import binary_wing, whole_aircraft
 from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.damping import modal_damping
@@ -125,7 +128,7 @@ def build(model: FileModel, aero: str | None = None) -> AeroelasticModel:
     wing = beam_model(beam_wing(model) if isinstance(model, BeamWing) else aircraft_wing(model), theory)
     viscous = None if model.damping is None or model.damping.viscous is None else model.damping.viscous
     dampers = None if viscous is None else _tip_dampers(wing.modes, viscous.plunge_N_s_per_m, viscous.pitch_N_m_s)
-    return replace(wing, modes=_damped(wing.modes, model.damping, dampers))
+    return replace(wing, modes=_damped(wing.modes, model.damping, dampers), actuators=_actuators(model, wing.aero))
 
 
 def structure(model: FileModel) -> ModalModel:
@@ -256,7 +259,30 @@ def _assumed(model: BinaryWing | WholeAircraft, theory: Theory) -> AeroelasticMo
     shapes = strip_shapes(modes, strips.sweep, bending_slope=False)
     aero, loads = strip_aero(strips, shapes, modes.names, theory, axis_moment_rolls=False)
     mass = w.semi_span_m * (w.mass_kg_per_m2 * w.chord_m + w.leading_edge_mass_kg_per_m) + centre
-    return AeroelasticModel(modes=modes, aero=aero, name=model.name, loads=loads, mass=mass)
+    places = [PlacedSensor(sensor=x, y=x.y_m, aft=x.x_m) for x in model.sensor]
+    common["points"] = np.array([p.y for p in places])
+    at_sensors = whole_aircraft(**common, centre_mass=centre) if isinstance(w, AircraftWing) else binary_wing(**common)
+    return AeroelasticModel(
+        modes=modes,
+        aero=aero,
+        name=model.name,
+        loads=loads,
+        mass=mass,
+        actuators=_actuators(model, aero),
+        sensors=sensors_on_shapes(places, at_sensors.phi),
+    )
+
+
+def _actuators(
+    model: BinaryWing | WholeAircraft | BeamWing | AircraftFile | ModalFile, aero: SampledAero | RationalAero
+) -> tuple[Actuator, ...]:
+    """Actuators of the file on the controls of the air forces, symmetric and antisymmetric alike."""
+    controls = [x.name for x in aero.inputs if x.kind == "control"]
+    if isinstance(model, AircraftFile | ModalFile):
+        tables = {a.control: a for a in model.actuator}
+        named = {name: tables.get(name, tables.get(name.removesuffix(ANTISYMMETRIC))) for name in controls}
+        return tuple(actuator(table, name) for name, table in named.items() if table is not None)
+    return tuple(actuator(model.actuator, name) for name in controls) if model.actuator is not None else ()
 
 
 def _modal(model: ModalFile, aero: str | None) -> AeroelasticModel:
@@ -269,8 +295,21 @@ def _modal(model: ModalFile, aero: str | None) -> AeroelasticModel:
     modes = ModalModel(M=x.M, D=x.D, K=x.K, names=x.mode_names, **extra)
     kinds = ["mode"] * n + [_input_kind(name) for name in x.input_names[n:]]
     inputs = tuple(AeroInput(name=name, kind=kind) for name, kind in zip(x.input_names, kinds))  # type: ignore[arg-type]
+    air = SampledAero(k=x.k, mach=x.mach, Q=x.Q, b=x.b_m, inputs=inputs)
+    missing = [a.control for a in model.actuator if a.control not in x.input_names]
+    if missing:
+        raise ValueError(f"actuator: no input of the data is called {missing[0]!r}; inputs: {list(x.input_names[n:])}")
+    worst = max((s.grid_point for s in model.sensor), default=-1)
+    if worst >= len(modes.grid):
+        raise ValueError(
+            f"sensor: grid_point must be below {len(modes.grid)}, the number of points in `grid`, got {worst}"
+        )
     return AeroelasticModel(
-        modes=modes, aero=SampledAero(k=x.k, mach=x.mach, Q=x.Q, b=x.b_m, inputs=inputs), name=model.name
+        modes=modes,
+        aero=air,
+        name=model.name,
+        actuators=_actuators(model, air),
+        sensors=tuple(sensor(s, -modes.phi[s.grid_point, 2], modes.phi[s.grid_point, 4]) for s in model.sensor),
     )
 
 

@@ -22,9 +22,11 @@ from scipy.linalg import block_diag
 
 from aeroservo.aero.strip import Indicial, QuasiSteady, Strips, Theory, strip_aero, strip_shapes
 from aeroservo.aeroelastic.material import material
+from aeroservo.aeroelastic.wing_servo import PlacedSensor, sensors_on_shapes
 from aeroservo.aircraft.schema_beam import BeamWing
 from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, Array, ModalModel, Relaxation
+from aeroservo.servo import Sensor
 from aeroservo.structure.beam import BeamMass, SlenderBeam, modes
 from aeroservo.structure.beam_axis import gauss_points
 from aeroservo.structure.beam_elements import beam_mesh, stiffness_blocks, strain_shapes
@@ -64,6 +66,8 @@ class StripWing:
         Places along the axis at which sections change suddenly: ends of controls. [m]
     rolling : callable, optional
         As `strips`, in antisymmetric motion, where they differ then: for reversal of roll with the root held.
+    sensors : tuple of PlacedSensor
+        On the beam.
     """
 
     name: str
@@ -71,6 +75,7 @@ class StripWing:
     strips: Callable[[Array, Array], Strips]
     breaks: tuple[float, ...] = ()
     rolling: Callable[[Array, Array], Strips] | None = None
+    sensors: tuple[PlacedSensor, ...] = ()
 
 
 def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
@@ -135,7 +140,11 @@ def beam_model(wing: StripWing, theory: Theory) -> AeroelasticModel:
     if isinstance(theory, Indicial) and len(np.unique(every.b)) > 1:
         nodes = _parts(wing, LAGGING_PARTS)
     dynamic = coupled(lambda x: modes(beam, n=BEAM_MODES + rigid, points=x), theory, nodes)
-    return replace(dynamic, statics=statics, rolling=rolling)
+    sensors: tuple[Sensor, ...] = ()
+    if wing.sensors:
+        places = modes(beam, n=BEAM_MODES + rigid, points=[p.y for p in wing.sensors])
+        sensors = sensors_on_shapes(wing.sensors, places.phi)
+    return replace(dynamic, statics=statics, rolling=rolling, sensors=sensors)
 
 
 def beam_wing(model: BeamWing) -> StripWing:
@@ -172,6 +181,7 @@ def beam_wing(model: BeamWing) -> StripWing:
         beam=beam,
         strips=lambda s, width: _strips(model, beam, s, width),
         breaks=(elevon.from_y_m, elevon.to_y_m) if elevon else (),
+        sensors=tuple(PlacedSensor(sensor=x, y=x.y_m, aft=x.x_m) for x in model.sensor),
     )
 
 

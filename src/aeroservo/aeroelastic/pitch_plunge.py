@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from aeroservo.aero.derivatives_air import WingDerivatives, derivative_air
+from aeroservo.aeroelastic.wing_servo import actuator, sensor
 from aeroservo.aircraft.schema_other import PitchPlungeFlap
-from aeroservo.aircraft.schema_other import Sensor as FileSensor
 from aeroservo.atmosphere import STANDARD_GRAVITY
 from aeroservo.datatypes import AeroelasticModel, Spring
-from aeroservo.servo import Actuator, Gravity, LiftCurve, Limit, Sensor
+from aeroservo.servo import Gravity, LiftCurve, Limit
 from aeroservo.structure.pitch_plunge import pitch_plunge
 
 
@@ -76,8 +76,8 @@ def pitch_plunge_model(file: PitchPlungeFlap) -> AeroelasticModel:
         loads=loads,
         springs=springs,
         mass=m.m_kg,
-        actuators=_actuators(file),
-        sensors=tuple(_sensor(s) for s in file.sensor),
+        actuators=() if file.actuator is None else (actuator(file.actuator, "elevon"),),
+        sensors=tuple(sensor(s, (1.0, s.x_m), (0.0, 1.0)) for s in file.sensor),
         lift_curve=_lift_curve(file),
         gravity=Gravity(steady=(m.m_kg * weight, 0.0), turning=(0.0, m.S_htheta_kg_m * weight), mode="pitch"),
         incidence=m.theta_trim_rad,
@@ -125,48 +125,6 @@ def wing_derivatives(file: PitchPlungeFlap) -> WingDerivatives:
         CM_deltadot=m.CM_deltadot,
         CL0=m.CL0,
         CM0=m.CM0,
-    )
-
-
-def _actuators(file: PitchPlungeFlap) -> tuple[Actuator, ...]:
-    """The actuator of the elevon, if the file has one."""
-    a = file.actuator
-    if a is None:
-        return ()
-    return (
-        Actuator(
-            control="elevon",
-            omega=a.omega_rad_s,
-            zeta=a.zeta,
-            gain=a.gain,
-            limit=None if a.limit_deg is None else math.radians(a.limit_deg),
-            rate_limit=None if a.rate_deg_s is None else math.radians(a.rate_deg_s),
-            delay_s=a.delay_s,
-            backlash=math.radians(a.backlash_deg),
-        ),
-    )
-
-
-def _sensor(sensor: FileSensor) -> Sensor:
-    """A sensor at x aft of the pitch axis: a point there moves down by h + x theta."""
-    point, angle = (1.0, sensor.x_m), (0.0, 1.0)
-    rows: dict[str, dict[str, tuple[float, ...]]] = {
-        "gyro": {"rate": angle},
-        "accelerometer": {"acceleration": point},
-        "angle": {"displacement": angle},
-        "plunge": {"displacement": point},
-    }
-    row = rows[sensor.kind]
-    return Sensor(
-        name=sensor.name,
-        unit={"gyro": "rad_s", "accelerometer": "m_s2", "angle": "rad", "plunge": "m"}[sensor.kind],
-        displacement=row.get("displacement", ()),
-        rate=row.get("rate", ()),
-        acceleration=row.get("acceleration", ()),
-        bandwidth=sensor.bandwidth_rad_s,
-        noise=sensor.noise,
-        quantum=sensor.quantum,
-        delay_s=sensor.delay_s,
     )
 
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from aeroservo.aero.vlm import VortexLattice
+from aeroservo.aeroelastic.aircraft_axis import carrier
 from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice
-from aeroservo.aeroelastic.aircraft_wing import carrier
 from aeroservo.aircraft.aircraft_schema import AircraftFile, StructureStation
 from aeroservo.aircraft.files import ModelFileError, parse, write_whole
 from aeroservo.aircraft.planform import planform

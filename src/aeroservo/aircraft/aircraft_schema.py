@@ -15,6 +15,7 @@ from aeroservo.aircraft.masses import MassItem, MassProperties, mass_properties,
 from aeroservo.aircraft.planform import planform, reference_quantities
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Strings, Table, WingDamping, positive_definite, quantity
 from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
+from aeroservo.aircraft.schema_servo import AircraftSensor, ControlActuator, names_differ
 
 _Name = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 
@@ -177,6 +178,8 @@ class AircraftFile(FileModel):
     structure: Structure | None = Field(None, description="beam along the span of one surface")
     damping: WingDamping | None = Field(None, description="structural damping")
     viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
+    actuator: Annotated[tuple[ControlActuator, ...], Strict(False)] = Field((), description="what moves the controls")
+    sensor: Annotated[tuple[AircraftSensor, ...], Strict(False)] = Field((), description="what is measured")
 
     def surfaces(self) -> tuple[LiftingSurface, ...]:
         """The lifting surfaces as geometry."""
@@ -285,7 +288,23 @@ class AircraftFile(FileModel):
                 )
         if self.structure is not None:
             self._check_structure(self.structure)
+        self._check_servo(controls)
         return self
+
+    def _check_servo(self, controls: list[str]) -> None:
+        """Reject actuators of unknown controls, sensors of one name, and sensors off the elastic wing."""
+        names_differ([s.name for s in self.sensor], "sensor names")
+        names_differ([a.control for a in self.actuator], "controls of actuators")
+        for a in self.actuator:
+            if a.control not in controls:
+                raise ValueError(f"actuator: control must be one of {controls}, got {a.control!r}")
+        if self.structure is not None:
+            first, last = self.structure.station[0].y_m, self.structure.station[-1].y_m
+            for i, s in enumerate(self.sensor):
+                if not first <= s.y_m <= last:
+                    raise ValueError(
+                        f"sensor[{i}].y_m must lie on the wing, from {first:g} to {last:g} [m], got {s.y_m:g}"
+                    )
 
     def _check_structure(self, structure: Structure) -> None:
         """Reject a beam that is not of this aircraft, or whose mass is no mass."""

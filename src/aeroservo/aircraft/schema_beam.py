@@ -10,6 +10,7 @@ from pydantic import Field, Strict, model_validator
 
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Table, WingDamping, positive_definite, quantity
 from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
+from aeroservo.aircraft.schema_servo import Actuator, WingSensor, check_servo
 from aeroservo.aircraft.schema_wing import Elevon
 
 _SWEEP = "sweep of the panel outboard, positive aft; default the wing's"
@@ -116,6 +117,14 @@ class BeamWing(FileModel):
     wing: BeamWingTable = Field(description="the half wing")
     damping: WingDamping | None = Field(None, description="structural damping")
     viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
+    actuator: Actuator | None = Field(None, description="what moves the elevon")
+    sensor: Annotated[tuple[WingSensor, ...], Strict(False)] = Field((), description="what is measured")
+
+    @model_validator(mode="after")
+    def _servo(self) -> BeamWing:
+        y = self.wing.station
+        check_servo(self.actuator, self.sensor, self.wing.elevon is not None, y[0].y_m, y[-1].y_m)
+        return self
 
     def problems(self) -> tuple[str, ...]:
         """Findings that do not stop a computation: see `FileModel.problems`."""

@@ -18,6 +18,7 @@ from aeroservo.aircraft.schema_base import (
     positive_definite,
     quantity,
 )
+from aeroservo.aircraft.schema_servo import Actuator, AxisSensor, ControlActuator, GridSensor, names_differ
 
 if TYPE_CHECKING:
     from aeroservo.aircraft.modal_data import ModalData
@@ -51,6 +52,8 @@ class ModalFile(FileModel):
 
     kind: Literal["modal"] = Field(description="kind of model")
     modal: ModalTable = Field(description="the data file")
+    actuator: Annotated[tuple[ControlActuator, ...], Strict(False)] = Field((), description="what moves the controls")
+    sensor: Annotated[tuple[GridSensor, ...], Strict(False)] = Field((), description="what is measured")
     _arrays: ModalData | None = PrivateAttr(None)
 
     @property
@@ -70,6 +73,12 @@ class ModalFile(FileModel):
         if self._arrays is None:
             raise ValueError("this model of kind 'modal' has no arrays yet: load it with aeroservo.read")
         return self._arrays
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> ModalFile:
+        names_differ([s.name for s in self.sensor], "sensor names")
+        names_differ([a.control for a in self.actuator], "controls of actuators")
+        return self
 
     def derived(self) -> dict[str, Any]:
         """Sizes of the arrays: see `FileModel.derived`."""
@@ -128,34 +137,6 @@ class PitchPlungeParameters(Table):
         return self
 
 
-class Actuator(Table):
-    """`[actuator]`: first order, or second order where `zeta` is given."""
-
-    gain: float = quantity("static gain", "-", default=1.0)
-    omega_rad_s: float = quantity("bandwidth", "rad/s", gt=0.0)
-    zeta: float | None = quantity("damping ratio; without it the actuator is of first order", "-", gt=0.0, default=None)
-    limit_deg: float | None = quantity("largest deflection either way", "deg", gt=0.0, le=180.0, default=None)
-    rate_deg_s: float | None = quantity("largest rate either way", "deg/s", gt=0.0, default=None)
-    delay_s: float = quantity("dead time", "s", ge=0.0, le=100.0, default=0.0)
-    backlash_deg: float = quantity("half width of the play", "deg", ge=0.0, le=90.0, default=0.0)
-
-
-class Sensor(Table):
-    """`[[sensor]]`."""
-
-    name: str = Field(
-        description="name of the sensor", min_length=1, max_length=100, pattern=r"^[A-Za-z_][A-Za-z0-9_]*$"
-    )
-    kind: Literal["gyro", "accelerometer", "angle", "plunge"] = Field(
-        description="what it measures; accelerometers positive down"
-    )
-    x_m: float = quantity("place aft of the pitch axis", "m", ge=-LONGEST, le=LONGEST, default=0.0)
-    bandwidth_rad_s: float | None = quantity("corner of its lag of first order", "rad/s", gt=0.0, default=None)
-    noise: float = quantity("standard deviation of white noise at each sample", "SI", ge=0.0, default=0.0)
-    quantum: float = quantity("step to which samples are rounded", "SI", ge=0.0, default=0.0)
-    delay_s: float = quantity("age of a sample when it is read", "s", ge=0.0, le=100.0, default=0.0)
-
-
 class Limits(Table):
     """`[limits]`: leaving them ends a simulation."""
 
@@ -196,14 +177,14 @@ class PitchPlungeFlap(FileModel):
     kind: Literal["pitch_plunge_flap"] = Field(description="kind of model")
     model: PitchPlungeParameters = Field(description="masses, springs and derivatives")
     actuator: Actuator | None = Field(None, description="what moves the elevon")
-    sensor: Annotated[tuple[Sensor, ...], Strict(False)] = Field((), description="what is measured")
+    sensor: Annotated[tuple[AxisSensor, ...], Strict(False)] = Field((), description="what is measured")
     limits: Limits | None = Field(None, description="where a simulation ends")
     nonlinear: FlapNonlinearity | None = Field(None, description="springs and lift that are not straight lines")
     comparison: Comparison | None = Field(None, description="another source's moment per elevon, for `check` only")
 
     @model_validator(mode="after")
     def _names_differ(self) -> PitchPlungeFlap:
-        _unique([s.name for s in self.sensor], "sensor names")
+        names_differ([s.name for s in self.sensor], "sensor names")
         return self
 
     def derived(self) -> dict[str, Any]:
@@ -262,7 +243,7 @@ class StateSpaceTable(Table):
     @model_validator(mode="after")
     def _shapes(self) -> StateSpaceTable:
         for what in ("states", "inputs", "outputs"):
-            _unique(getattr(self, what), what)
+            names_differ(getattr(self, what), what)
         n, n_u, n_y = len(self.states), len(self.inputs), len(self.outputs)
         for name, (rows, columns) in {"A": (n, n), "B": (n, n_u), "C": (n_y, n), "D": (n_y, n_u)}.items():
             matrix = getattr(self, name)
@@ -291,10 +272,3 @@ def _slope_at(table: tuple[tuple[float, ...], ...], alpha: float) -> float:
     rows = next((pair for pair in pairwise(table) if pair[0][0] <= alpha <= pair[1][0]), (table[0], table[0]))
     rise = rows[1][0] - rows[0][0]
     return (rows[1][1] - rows[0][1]) / math.radians(rise) if rise else 0.0
-
-
-def _unique(names: list[str] | tuple[str, ...], what: str) -> None:
-    """Refuse names that occur twice."""
-    twice = sorted({name for name in names if list(names).count(name) > 1})
-    if twice:
-        raise ValueError(f"{what} must differ, twice: {', '.join(twice)}")

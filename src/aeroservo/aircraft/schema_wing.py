@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, Strict, model_validator
 
 from aeroservo.aircraft.schema_base import LONGEST, FileModel, Table, WingDamping, quantity
 from aeroservo.aircraft.schema_material import ViscoelasticTable, material_notes
+from aeroservo.aircraft.schema_servo import Actuator, WingSensor, check_servo
 
 _EI = "bending stiffness EI instead of the plunge spring: K_h = 4 EI/s^3"
 _GJ = "torsion stiffness GJ instead of the pitch spring: K_theta = GJ/s"
@@ -92,6 +93,13 @@ class _WingFile(FileModel):
     wing: Wing = Field(description="the half wing and its springs")
     damping: WingDamping | None = Field(None, description="structural damping")
     viscoelastic: ViscoelasticTable | None = Field(None, description="stiffness that relaxes")
+    actuator: Actuator | None = Field(None, description="what moves the elevon")
+    sensor: Annotated[tuple[WingSensor, ...], Strict(False)] = Field((), description="what is measured")
+
+    @model_validator(mode="after")
+    def _servo(self) -> _WingFile:
+        check_servo(self.actuator, self.sensor, self.wing.elevon is not None, 0.0, self.wing.semi_span_m)
+        return self
 
     def problems(self) -> tuple[str, ...]:
         """Findings that do not stop a computation: see `FileModel.problems`."""
