@@ -22,6 +22,7 @@ Tell = Callable[[str, float], None]
 
 #: Most speeds of a sweep: the speeds found do not depend on them, curves need no more.
 MOST_SPEEDS = 401
+_NAMES = {"P": "p", "PK": "p-k", "K": "k", "G": "g"}
 #: Sweep where the file gives none. [m/s]
 SPEEDS = (1.0, 350.0, 1.0)
 
@@ -184,7 +185,7 @@ def analyse(text: str, path: Path, air: Air, tell: Tell, partial: Callable[[Anal
     theory = air.aero or DEFAULTS[file.kind].aero or "the file's own"
     known = replace(
         known,
-        heading=f"{type(method).__name__.lower()} method, air forces {theory.replace('_', ' ')}, {air.altitude:g} m "
+        heading=f"{_NAMES[type(method).__name__]} method, air forces {theory.replace('_', ' ')}, {air.altitude:g} m "
         f"({float(sweep.rho[0]):.4g} kg/m³), {sweep.V[0]:g} to {sweep.V[-1]:g} m/s",
         modes=_modes(model),
         notes=(*known.notes, *thinned),
@@ -197,16 +198,23 @@ def analyse(text: str, path: Path, air: Air, tell: Tell, partial: Callable[[Anal
     already = first.found and first.flutter_speed is None
     speeds = (
         Speed(name="Flutter", value=first.flutter_speed, unit="m/s", remark="" if already else _none_to(sweep)),
-        Speed(name="Divergence", value=first.divergence_speed, unit="m/s"),
-        Speed(name=f"{(quantity or 'control').capitalize()} reversal", value=reverses.V, unit="m/s"),
+        _static_speed("Divergence", first.divergence_speed, "does not diverge at any speed"),
+        _static_speed(f"{(quantity or 'control').capitalize()} reversal", reverses.V, _NEVER[quantity is not None]),
     )
     partial(replace(known, speeds=speeds, complete=False))
     tell("frequency and damping over speed", 0.45)
     found = flutter(model, sweep, method)
-    speeds = (_flutter_speed(found, sweep), replace(speeds[1], value=found.divergence_speed), speeds[2])
+    speeds = (_flutter_speed(found, sweep), *speeds[1:])
     tell("shapes of the modes", 0.9)
     scene = _scene(file, model, found)
     return replace(known, speeds=speeds, curves=_curves(found), notes=(*known.notes, *found.warnings), scene=scene)
+
+
+def _static_speed(name: str, value: float | None, never: str) -> Speed:
+    return Speed(name=name, value=value, unit="m/s", remark=never if value is None else "")
+
+
+_NEVER = ("the model has no controls", "does not reverse at any speed")
 
 
 def _flutter_speed(found: FlutterResult, sweep: FlightCondition) -> Speed:
@@ -281,6 +289,10 @@ def _modes(model: AeroelasticModel) -> tuple[tuple[str, float, float], ...]:
 
 
 def _curves(found: FlutterResult) -> Curves:
-    frequency = found.frequency / (2.0 * math.pi)
-    damping = np.where(np.isfinite(frequency), found.damping_ratio, np.nan)
-    return Curves(names=found.names, V=np.array(found.speeds), frequency=frequency, damping=damping)
+    from aeroservo.report.figures import shown_branches
+
+    shown = shown_branches(found)
+    frequency = found.frequency[:, shown] / (2.0 * math.pi)
+    damping = np.where(np.isfinite(frequency), found.damping_ratio[:, shown], np.nan)
+    names = tuple(found.names[j] for j in shown)
+    return Curves(names=names, V=np.array(found.speeds[:, shown]), frequency=frequency, damping=damping)

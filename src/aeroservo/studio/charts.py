@@ -122,6 +122,7 @@ def history_chart(run: Run, channel: int, before: Run | None, *, dark: bool = Fa
     options = _frame("time, s", label, dark)
     options["xAxis"] |= {"min": 0, "max": _rounded(float(run.t[-1]), 1)}
     options["legend"]["show"] = False
+    options["grid"]["bottom"] = 30
     if before is not None and name in before.channels:
         old = before.data[:, before.channels.index(name)]
         options["series"].append(_line("the run before", before.t, old, _BEFORE, "dashed", 1.0))

@@ -66,8 +66,11 @@ class _Tab:
                 self._cancel = ui.button("Cancel", on_click=self._session.cancel).props("flat dense no-caps size=sm")
                 self._again = ui.button("Compute again", on_click=self._session.recompute)
                 self._again.props("flat dense no-caps size=sm")
+                with ui.element("nav").classes("ae-jump"):
+                    ui.link("Model", "#model")
+                    ui.link("Results", "#results")
         with ui.element("div").classes("ae-body"):
-            with ui.element("section").classes("ae-panel"):
+            with ui.element("section").classes("ae-panel").props("id=model"):
                 with ui.row().classes("ae-title"):
                     self._title = ui.label().classes("ae-name").props("role=heading aria-level=2")
                     self._back = ui.button("Back to the file's values", icon="undo", on_click=self._reset)
@@ -126,7 +129,7 @@ class _Tab:
             night.tooltip("dark or light")
 
     def _right(self) -> None:
-        with ui.element("section").classes("ae-panel ae-right"):
+        with ui.element("section").classes("ae-panel ae-right").props("id=results"):
             with ui.tabs().props("dense no-caps align=left") as tabs:
                 results, flights = ui.tab("Flutter and modes"), ui.tab("Simulation")
             with ui.tab_panels(tabs, value=results, animated=False, keep_alive=True):
@@ -179,7 +182,7 @@ class _Tab:
         self._results.dark = dark
         self._results.show(self._session.now, self._session.before)
         self._flights.redraw(dark=dark)
-        self._client.run_javascript("document.dispatchEvent(new Event('themechange'))")
+        self._client.run_javascript("setTimeout(() => document.dispatchEvent(new Event('themechange')), 200)")
 
     def _update(self) -> None:
         """Show what the session knows."""

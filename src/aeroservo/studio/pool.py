@@ -36,8 +36,13 @@ class Worker:
         self.process = process
 
     @classmethod
-    async def started(cls) -> Worker:
+    async def started(cls, *, fly: bool) -> Worker:
         """Start a process and wait until it is ready.
+
+        Parameters
+        ----------
+        fly : bool
+            Whether it is made ready for flights too.
 
         Returns
         -------
@@ -57,7 +62,7 @@ class Worker:
         )  # Ctrl-C is for the studio, which closes the pipes
         worker = cls(
             await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "aeroservo.studio.worker", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                sys.executable, "-m", "aeroservo.studio.worker", *(["fly"] * fly), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 env={**os.environ, **single}, **apart,
             )
         )  # fmt: skip
@@ -212,7 +217,7 @@ class Pool:
                 return
             self._starting += 1
             try:
-                worker = await Worker.started()
+                worker = await Worker.started(fly=bool(self.every))
             except Died:
                 await asyncio.sleep(1.0)  # a machine that cannot start processes is not asked to at full speed
                 continue

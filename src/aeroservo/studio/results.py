@@ -66,7 +66,7 @@ class ResultView:
         self._hint = ui.label(
             "Grey dashes: the file. Flutter begins where a damping ratio falls below zero. Ctrl and wheel zoom."
         ).classes("ae-hint")
-        self._notes = ui.element("ul").classes("ae-notes")
+        self._notes = ui.element("div")
         self._wing = WingView("wing-modes")
         self._modes = ui.element("div").classes("ae-tables")
 
@@ -91,15 +91,38 @@ class ResultView:
                 chart.options.update(make(now, old, dark=self.dark))
                 chart.update()
         self._hint.visible = now.curves is not None
-        self._notes.clear()
-        with self._notes:
-            for note in now.notes:
-                with ui.element("li"):
-                    ui.label(note)
+        notes(self._notes, now.notes)
         self._modes.clear()
         with self._modes:
             _tables(now, old)
         self._wing.show(now.scene)
+
+
+def notes(place: Element, lines: tuple[str, ...]) -> None:
+    """What to know before trusting the numbers; what a file merely assumes is folded away.
+
+    Parameters
+    ----------
+    place : Element
+        Where; what is there goes.
+    lines : tuple of str
+        One sentence each.
+    """
+    place.clear()
+    folded = tuple(line for line in lines if line.startswith(("assumed: ", "elastic wing: ")))
+    with place:
+        _list(tuple(line for line in lines if line not in folded))
+        if folded:
+            with ui.expansion(f"What the file assumes ({len(folded)})").props("dense").classes("ae-folded"):
+                _list(folded)
+
+
+def _list(lines: tuple[str, ...]) -> None:
+    if lines:
+        with ui.element("ul").classes("ae-notes"):
+            for line in lines:
+                with ui.element("li"):
+                    ui.label(line)
 
 
 def _change(speed: Speed, old: Speed | None) -> str:
@@ -120,7 +143,9 @@ def _tables(now: Analysis, before: Analysis | None) -> None:
         _table("Modes without air", ("mode", "frequency, Hz", "file, Hz", "damping ratio"), rows, drop=not file and 2)
     if now.derived:
         file = dict(before.derived) if before is not None else {}
-        numbers = [(k.replace("_", " "), f"{v:.6g}", f"{file[k]:.6g}" if k in file else "") for k, v in now.derived]
+        numbers = [
+            (k.replace("_", " "), f"{v + 0.0:.6g}", f"{file[k] + 0.0:.6g}" if k in file else "") for k, v in now.derived
+        ]
         _table(
             "Derived numbers (unit at the end of the name, SI)",
             ("quantity", "value", "file"),

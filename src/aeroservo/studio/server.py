@@ -45,6 +45,7 @@ class Studio:
         self.port = int(self._socket.getsockname()[1])
         self._choice = choice
         self._server: Any = None
+        self.pools: list[Any] = []
 
     @property
     def url(self) -> str:
@@ -56,7 +57,7 @@ class Studio:
         import uvicorn
 
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
-        application = _application(self._choice, self.port, started)
+        application = _application(self._choice, self.pools, started)
         config = uvicorn.Config(
             Guard(application, self.port), log_level="error", access_log=False, timeout_graceful_shutdown=1,
             ws_max_size=4_000_000, server_header=False, lifespan="on",
@@ -86,7 +87,7 @@ def _bound(port: int) -> socket.socket:
     return found
 
 
-def _application(choice: Choice, port: int, started: Callable[[], None] | None) -> Any:
+def _application(choice: Choice, pools: list[Any], started: Callable[[], None] | None) -> Any:
     """The web application with its page and its processes."""
     from fastapi import FastAPI
     from nicegui import app, ui
@@ -97,7 +98,6 @@ def _application(choice: Choice, port: int, started: Callable[[], None] | None) 
 
     serve_scripts()
     application = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
-    pools: list[Any] = []
 
     async def begin() -> None:
         pools.append(Pool())

@@ -15,6 +15,7 @@ from aeroservo.studio.draft import typed
 from aeroservo.studio.flight import KICK, LQR, Flight, Run, Shake
 from aeroservo.studio.folder import files_in, inside
 from aeroservo.studio.pool import Died, Refused
+from aeroservo.studio.results import notes
 from aeroservo.studio.session import Session
 from aeroservo.studio.wing import WingView
 
@@ -63,11 +64,12 @@ class SimulationView:
             self._bar = ui.linear_progress(0.0, show_value=False)
             self._says = ui.label().classes("ae-says").props("aria-live=polite")
         self._facts = ui.label().classes("ae-meaning")
-        self._notes = ui.element("ul").classes("ae-notes")
+        self._notes = ui.element("div")
         self._wing = WingView("wing-flight")
         self._pick = ui.select([], multiple=True, label="channels", on_change=self._draw)
         self._pick.props("dense outlined use-chips").style("width: 100%")
         self._charts = ui.element("div").classes("ae-charts")
+        self._hint = ui.label("Grey dashes: the run before.").classes("ae-hint")
         self._csv = ui.button("History as CSV", icon="download", on_click=self._download).props("flat dense no-caps")
         self._busy(False)
         self._results(False)
@@ -167,15 +169,11 @@ class SimulationView:
         )
         self._says.text = f"{flight.speed:g} m/s at {flight.altitude:g} m, {_SHAKES[flight.shake]}, {on}"
         self._facts.text = "   ·   ".join(f"{name}: {value}" for name, value in run.facts)
-        self._notes.clear()
-        with self._notes:
-            for note in run.notes:
-                with ui.element("li"):
-                    ui.label(note)
+        notes(self._notes, run.notes)
         labels = {i: channel_label(c, u) for i, (c, u) in enumerate(zip(run.channels, run.units))}
         same = self._last is not None and self._last.channels == run.channels
         kept = [i for i in self._pick.value or [] if i in labels] if same else []
-        self._pick.set_options(labels, value=kept or _telling(run))
+        self._pick.set_options(labels, value=[*kept, *(i for i in _telling(run) if i not in kept)][:_MOST])
         self._results(True)
         self._wing.show(run.scene, play=True)
         self._draw()
@@ -222,7 +220,7 @@ class SimulationView:
         self._says.classes(add="ae-bad")
 
     def _results(self, there: bool) -> None:
-        for element in (self._facts, self._notes, self._pick, self._charts, self._csv):
+        for element in (self._facts, self._notes, self._pick, self._charts, self._csv, self._hint):
             element.visible = there
         if not there:
             self._wing.show("")
@@ -233,5 +231,6 @@ def _telling(run: Run) -> list[int]:
     moving = [i for i in range(len(run.channels)) if run.peak[i] > 0.0]
     ends = ("rate_m_s", "rate_rad_s", "rate_1_s", "command_rad", "speed_m_s", "altitude_m", "acceleration_m_s2")
     first = [i for i in moving if not run.channels[i].endswith((*ends, "gust_m_s")) and "elevon" not in run.channels[i]]
-    rest = [i for i in moving if run.channels[i].endswith(("elevon_rad", "gust_m_s"))]
-    return [*first[:2], *rest[:2]]
+    controls = [i for i in moving if "elevon" in run.channels[i] and not run.channels[i].endswith(ends)]
+    gusts = [i for i in moving if run.channels[i] == "gust_m_s"]
+    return [*first[:2], *controls[-1:], *gusts[:1]]

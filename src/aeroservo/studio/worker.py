@@ -96,13 +96,15 @@ def compute(job: Job, tell: Callable[[str, float], None], partial: Callable[[Any
     return document(job.text, job.path, job.options, tell, partial)
 
 
-def serve(source: BinaryIO, sink: BinaryIO) -> None:
+def serve(source: BinaryIO, sink: BinaryIO, *, fly: bool = False) -> None:
     """Do the jobs that come in, one after the other, until the other end closes.
 
     Parameters
     ----------
     source, sink : binary file
         Where messages come from and go to.
+    fly : bool
+        Make ready for flights too, which takes long where the engine is not compiled yet.
 
     References
     ----------
@@ -127,7 +129,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             sink.flush()
 
     threading.Thread(target=_listen, args=(source, jobs, unwanted), daemon=True).start()
-    _warm()
+    _warm(fly)
     send("ready")
     while (item := jobs.get()) is not None:
         number, job = item
@@ -169,14 +171,14 @@ def _listen(source: BinaryIO, jobs: SimpleQueue[tuple[int, Job] | None], unwante
 _pipe: BinaryIO | None = None
 
 
-def _warm() -> None:
+def _warm(fly: bool) -> None:
     """Load what the first job would wait for; compile what is not compiled yet."""
     from aeroservo.studio.analysis import Air
     from aeroservo.studio.draft import opened
     from aeroservo.studio.flight import Flight
 
     source = opened("thesis-simulation", Path("."))
-    options: dict[Any, Any] = {"analyse": Air(), "fly": Flight(speed=20.0, duration=0.1)}
+    options: dict[Any, Any] = {"analyse": Air()} | ({"fly": Flight(speed=20.0, duration=0.1)} if fly else {})
     for what, option in options.items():
         job = Job(what=what, text=source.text, path=source.path, options=option)
         compute(job, lambda *_: None, lambda *_: None)
@@ -189,7 +191,7 @@ def main() -> None:
     os.dup2(2, 1)
     sys.stdout = sys.stderr
     _pipe = sys.stdin.buffer
-    serve(_pipe, sink)
+    serve(_pipe, sink, fly=sys.argv[1:] == ["fly"])
 
 
 if __name__ == "__main__":
