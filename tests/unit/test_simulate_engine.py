@@ -548,3 +548,32 @@ def test_refusals() -> None:
     with pytest.raises(ValueError, match="accelerometer"):
         c = state_feedback(np.ones((1, 1)), ("acc_te",), ("elevon_command_rad",), None)
         simulate(model("bact"), Scenario(profile=flight, duration=1.0, controller=c))
+
+
+def test_a_spring_without_a_linear_part() -> None:
+    """c0 = 0: the cubic spring of a file, next to no air: its period is Gamma(1/4)^2/(sqrt(pi k) amplitude)."""
+    from scipy.special import gamma
+
+    from aeroservo.aircraft.files import validate
+
+    inertia, K, c2, amplitude = 0.84, 8400.0, 20.0, 0.05
+    data = {
+        "kind": "typical_section",
+        "section": {
+            "chord_m": 0.6, "flexural_axis": 0.4, "mass_kg_per_m": 36.0, "static_moment_kg": 0.0,
+            "inertia_kg_m": inertia, "plunge_stiffness_N_per_m2": 9e4, "pitch_stiffness_N": K,
+            "nonlinear": {"pitch_stiffness_polynomial": [0.0, 0.0, c2]},
+        },
+    }  # fmt: skip
+    plant = av.build(validate(data, "cubic"), "jones")
+    assert plant.modes.K[1, 1] == 0.0
+    period = gamma(0.25) ** 2 / np.sqrt(np.pi * K * c2 / inertia) / amplitude  # of x'' + k x^3 = 0
+    flight = level(30.0, density=1e-9, altitude=None)
+    scenario = Scenario(profile=flight, duration=3.0 * period, initial=(("pitch_rad", amplitude),))
+    run = simulate(plant, scenario, stepping=Stepping(record_s=1e-3))
+    assert run.history is not None
+    t, x = run.history.t, run.history["pitch_rad"]
+    falls = np.flatnonzero((x[:-1] > 0.0) & (x[1:] <= 0.0))
+    crossings = t[falls] + x[falls] / (x[falls] - x[falls + 1]) * (t[1] - t[0])
+    assert np.diff(crossings) == pytest.approx(period, rel=1e-5)
+    assert crossings[0] == pytest.approx(period / 4.0, rel=1e-5)

@@ -217,3 +217,17 @@ def test_words_of_gusts() -> None:
             parse_gust(bad)
     with pytest.raises(ValueError, match="turbulence"):
         Gustiness(level="heavy")  # type: ignore[arg-type]
+
+
+def test_to_xarray() -> None:
+    """Channels as variables over time, with units and events; where xarray is not installed it says what to install."""
+    try:
+        import xarray  # noqa: F401
+    except ImportError:
+        with pytest.raises(ImportError, match="pip install xarray"):
+            history().to_xarray()
+        pytest.skip("xarray is not installed (extra)")
+    found = history().to_xarray()
+    np.testing.assert_array_equal(found["pitch_rad"].values, history()["pitch_rad"])
+    np.testing.assert_array_equal(found.coords["time"].values, history().t)
+    assert found["acceleration_m_s2"].attrs["units"] == "m/s^2"

@@ -77,7 +77,18 @@ class VariedModel:
     fit_bound: float = 0.01
 
     def __call__(self) -> AeroelasticModel:
-        """The model, its air forces rational. [SI]"""
+        """The model, its air forces rational.
+
+        Returns
+        -------
+        model : AeroelasticModel
+            Of the changed file. [SI]
+
+        Raises
+        ------
+        ValueError
+            If the fit of its air forces is worse than the bound.
+        """
         model = build(override(self.file, dict(self.changes)), self.aero)
         if not isinstance(model.aero, SampledAero):
             return model
