@@ -47,7 +47,7 @@ def c_source(controller: Controller, *, name: str = "controller") -> str:
 
     References
     ----------
-    ISO/IEC 9899:1999; contract.md, "Controller file (JSON)"; K. J. Åström and B. Wittenmark, Computer-Controlled
+    ISO/IEC 9899:1999, section 6; contract.md, "Controller file (JSON)"; K. J. Åström and B. Wittenmark, Computer-Controlled
     Systems, 1997, section 9.4.
 
     Examples
@@ -99,7 +99,7 @@ def c_header(controller: Controller, *, name: str = "controller") -> str:
 
     References
     ----------
-    ISO/IEC 9899:1999.
+    ISO/IEC 9899:1999, section 6.10.1 (guards).
 
     Examples
     --------

@@ -161,6 +161,34 @@ def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def measure(ring, ring_at, delays, noise, at, quanta, first, new):  # pragma: no cover - compiled
+    """Measured values of a sample into `new` from `first` on: aged, with noise, rounded."""
+    length = ring.shape[0]
+    for i in range(delays.shape[0]):
+        value = ring[(ring_at - delays[i]) % length, i] + noise[at, i]
+        if quanta[i] > 0.0:
+            value = np.round(value / quanta[i]) * quanta[i]
+        new[first + i] = value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def blended(matrices, start, count, width, point, weight, values, out):  # pragma: no cover - compiled
+    """out = rows start .. start + count of the matrices between two points, times the first `width` values."""
+    low, high = matrices[point], matrices[min(point + 1, matrices.shape[0] - 1)]
+    for r in range(count):
+        total = 0.0
+        for i in range(width):
+            total += (low[start + r, i] + weight * (high[start + r, i] - low[start + r, i])) * values[i]
+        out[r] = total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def clipped(value, largest):  # pragma: no cover - compiled
+    """The value within its limit; 0 is no limit."""
+    return min(max(value, -largest), largest) if largest > 0.0 else value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def control(
     matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command
 ):  # pragma: no cover - compiled
@@ -170,28 +198,167 @@ def control(
     """
     n_c, n_in, n_out = sizes
     point, weight = int(weights[at, 0]), weights[at, 1]
-    low, high = matrices[point], matrices[min(point + 1, matrices.shape[0] - 1)]
-    length = ring.shape[0]
-    for i in range(n_in):
-        value = ring[(ring_at - delays[i]) % length, i] + noise[at, i]
-        if quanta[i] > 0.0:
-            value = np.round(value / quanta[i]) * quanta[i]
-        new[n_c + i] = value
+    measure(ring, ring_at, delays, noise, at, quanta, n_c, new)
     for i in range(n_c):
         new[i] = xc[i]
+    blended(matrices, n_c, n_out, n_c + n_in, point, weight, new, command)
     for r in range(n_out):
-        total = 0.0
-        for i in range(n_c + n_in):
-            total += (low[n_c + r, i] + weight * (high[n_c + r, i] - low[n_c + r, i])) * new[i]
-        command[r] = total
+        held = clipped(command[r], limits[r])
+        new[n_c + n_in + r] = held - command[r]
+        command[r] = held
+    blended(matrices, 0, n_c, n_c + n_in + n_out, point, weight, new, xc)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def least_squares(
+    phi, target, forget, ceiling, robust, lower, upper, root, theta, noise, push
+):  # pragma: no cover - compiled
+    """One step of recursive least squares with forgetting; `root`, `theta`, `noise` change in place; fills `push`.
+
+    The covariance is root root', so that it stays symmetric and positive (Potter). noise: variance of each residual,
+    then the number of samples it stands on. Residuals beyond `robust` deviations weigh less (0: all weigh alike); the
+    covariance is not forgotten where its trace would pass `ceiling`; parameters are held within their bounds. push:
+    regressor times residual, of which the error of the parameters is made.
+    """
+    n, m = theta.shape
+    trace = 0.0
+    for i in range(n):
+        for j in range(n):
+            trace += root[i, j] * root[i, j]
+    keep = forget if trace <= ceiling * forget else 1.0
+    heavy = 1.0
+    error = np.empty(m)
+    for j in range(m):
+        error[j] = target[j]
+        for i in range(n):
+            error[j] -= theta[i, j] * phi[i]
+        if robust > 0.0 and noise[m] >= 50.0:
+            size = robust * np.sqrt(noise[j])
+            if abs(error[j]) > size and abs(error[j]) > 0.0:
+                heavy = min(heavy, size / abs(error[j]))
+    f, g = np.zeros(n), np.zeros(n)
+    for j in range(n):
+        for i in range(n):
+            f[j] += root[i, j] * phi[i]
+        f[j] *= np.sqrt(heavy)
+    square = keep
+    for j in range(n):
+        square += f[j] * f[j]
+    for i in range(n):
+        for j in range(n):
+            g[i] += root[i, j] * f[j]
+    part = 1.0 / (square + np.sqrt(keep * square))
+    for i in range(n):
+        for j in range(n):
+            root[i, j] = (root[i, j] - part * g[i] * f[j]) / np.sqrt(keep)
+    count = noise[m] * forget + 1.0
+    for j in range(m):
+        for i in range(n):
+            moved = theta[i, j] + g[i] / square * np.sqrt(heavy) * error[j]
+            theta[i, j] = min(max(moved, lower[i, j]), upper[i, j])
+            push[i, j] = heavy * phi[i] * error[j]
+        noise[j] += (heavy * error[j] * error[j] - noise[j]) / count
+    noise[m] = count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def deviations(root, pile, out):  # pragma: no cover - compiled
+    """Standard deviation of each parameter, P pile P with P = root root'; returns the trace of P.
+
+    pile[j]: what the residuals of target j did to the parameters, block by block, squared and summed. Disturbances of
+    any colour are allowed for, as far as they forget within a block.
+    """
+    n, m = out.shape
+    P = np.zeros((n, n))
+    trace = 0.0
+    for i in range(n):
+        for c in range(n):
+            for j in range(n):
+                P[i, c] += root[i, j] * root[c, j]
+        trace += P[i, i]
+    for i in range(n):
+        for j in range(m):
+            variance = 0.0
+            for k in range(n):
+                for c in range(n):
+                    variance += P[i, k] * pile[j, k, c] * P[i, c]
+            out[i, j] = np.sqrt(max(variance, 0.0))
+    return trace
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def adapt(
+    matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command,
+    watch, numbers, bounds, shares, scaled, dither, memory, fx, root, theta, spread, block, pile, record,
+):  # fmt: skip  # pragma: no cover - compiled
+    """One sample of an adaptive controller: identify, judge, and scale what the schedule commands.
+
+    `watch` are the matrices of the filter that makes targets and regressors; numbers: forgetting, ceiling of the
+    covariance, robustness, largest error of a parameter that is used, least and largest gain, largest change of the
+    gain in a sample, error below which nothing is added to the command, samples before anything is used, largest trace
+    of the covariance with which anything is used (excitation is there), samples in a block; memory: gain, samples so
+    far; block, pile: of `deviations`.
+    """
+    n_c, n_in, n_out = sizes
+    n, m = theta.shape
+    n_f = fx.shape[0]
+    point, weight = int(weights[at, 0]), weights[at, 1]
+    measure(ring, ring_at, delays, noise, at, quanta, n_c, new)
+    seen, out, push = np.empty(n_f + n_in), np.empty(m + n), np.zeros((n, m))
+    for i in range(n_f):
+        seen[i] = fx[i]
+    for i in range(n_in):
+        seen[n_f + i] = new[n_c + i]
+    blended(watch, n_f, m + n, n_f + n_in, point, weight, seen, out)
+    blended(watch, 0, n_f, n_f + n_in, point, weight, seen, fx)
+    if memory[1] >= 3.0:  # the filter holds real samples
+        least_squares(out[m:], out[:m], numbers[0], numbers[1], numbers[2], bounds[0], bounds[1], root, theta, spread,
+                      push)  # fmt: skip
+    memory[1] += 1.0
+    for i in range(n):
+        for j in range(m):
+            block[i, j] += push[i, j]
+    if int(memory[1]) % int(numbers[10]) == 0:
+        fade = numbers[0] ** (2.0 * numbers[10])
+        for j in range(m):
+            for i in range(n):
+                for k in range(n):
+                    pile[j, i, k] = fade * pile[j, i, k] + block[i, j] * block[k, j]
+        block[:] = 0.0
+    error = np.empty((n, m))
+    trace = deviations(root, pile, error)
+    worst, effect = 0.0, 0.0
+    low, high = shares[point], shares[min(point + 1, shares.shape[0] - 1)]
+    for i in range(n):
+        for j in range(m):
+            record[at, i * m + j] = theta[i, j]
+            record[at, n * m + i * m + j] = error[i, j]
+            worst = max(worst, error[i, j])
+            effect += (low[i, j] + weight * (high[i, j] - low[i, j])) * theta[i, j]
+    known = memory[1] >= numbers[8] and worst <= numbers[3] and trace <= numbers[9]
+    wanted = 1.0
+    if known:
+        wanted = numbers[5] if effect * numbers[5] <= 1.0 else max(1.0 / effect, numbers[4])
+    gain = memory[0] + min(max(wanted - memory[0], -numbers[6]), numbers[6])
+    memory[0] = gain
+    record[at, 2 * n * m] = gain
+    record[at, 2 * n * m + 1] = 1.0 if known else 0.0
+    for i in range(n_c):
+        new[i] = xc[i]
+    for i in range(n_in):
+        if scaled[i]:
+            new[n_c + i] /= gain
+    blended(matrices, n_c, n_out, n_c + n_in, point, weight, new, command)
+    stir = 0.0 if known and worst <= numbers[7] else 1.0
+    for r in range(n_out):
+        free = 1.0  # the oscillation gives way to commands beyond a third of the limit
         if limits[r] > 0.0:
-            command[r] = min(max(total, -limits[r]), limits[r])
-        new[n_c + n_in + r] = command[r] - total
-    for r in range(n_c):
-        total = 0.0
-        for i in range(n_c + n_in + n_out):
-            total += (low[r, i] + weight * (high[r, i] - low[r, i])) * new[i]
-        xc[r] = total
+            free = min(1.0, max(0.0, 2.0 - 3.0 * abs(gain * command[r]) / limits[r]))
+        added = stir * free * dither[int(memory[1]) % dither.shape[0], r]
+        held = clipped(gain * command[r] + added, limits[r])
+        new[n_c + n_in + r] = held / gain - command[r]
+        command[r] = held
+    blended(matrices, 0, n_c, n_c + n_in + n_out, point, weight, new, xc)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -260,6 +427,7 @@ def run(
     x, held, path, speed, cosines, offsets, external,
     ctrl, ctrl_sizes, ctrl_weights, ctrl_rows, ctrl_delays, ctrl_quanta, ctrl_noise, ctrl_limits, ctrl_map,
     period, computing, first_sample, xc, ring, latest, queue, pipe, pipe_delays, gains, command_limits, commands,
+    watch, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread, block, pile, adapted,
     limit_rows, limit_values, statistics, every, record, trace,
 ):  # fmt: skip  # pragma: no cover - compiled
     """Step `n_step` base steps from step `k_start`; returns code, steps done, records written, row of a limit left.
@@ -304,8 +472,14 @@ def run(
                             ring[older, i] = y[0]
             if now % period == 0:
                 sample = now // period - first_sample
-                control(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
-                        ctrl_limits, xc, work, command)  # fmt: skip
+                if theta.shape[0] == 0:
+                    control(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
+                            ctrl_limits, xc, work, command)  # fmt: skip
+                else:
+                    adapt(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
+                          ctrl_limits, xc, work, command,
+                          watch, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread,
+                          block, pile, adapted)  # fmt: skip
                 for r in range(ctrl_map.shape[0]):
                     latest[r] = command[r]
             for r in range(ctrl_map.shape[0]):

@@ -65,6 +65,8 @@ class Simulation:
         Difference found by the halving check; None where there was none. [-]
     warnings : tuple of str
         What to know.
+    adaptation : TimeHistory or None
+        What an adaptation said at each sample of the controller: effects, their errors, gain, identified (1 or 0).
     """
 
     history: TimeHistory | None
@@ -83,6 +85,7 @@ class Simulation:
     substeps: int
     halving: float | None
     warnings: tuple[str, ...]
+    adaptation: TimeHistory | None = None
 
 
 def simulate(
@@ -200,7 +203,18 @@ def _result(p: Prepared, state: RunState, done: int, code: int, row: int, data: 
         substeps=p.substeps,
         halving=p.halving,
         warnings=p.warnings,
+        adaptation=_adaptation(p, state, at),
     )
+
+
+def _adaptation(p: Prepared, state: RunState, at: float) -> TimeHistory | None:
+    """What the adaptation said at each sample until the end."""
+    a = p.scenario.adaptation
+    if a is None or not state.theta.size:
+        return None
+    step = p.dt * p.period
+    data = np.concatenate(state.adapted)[: int(at / step + 1e-6) + 1]
+    return TimeHistory(t=step * np.arange(len(data)), data=data, channels=a.channels)
 
 
 def _flight(profile: Profile) -> list[tuple[str, Callable[[Array], Array]]]:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from aeroservo.control.adaptive import Adaptation
 from aeroservo.control.controller import Controller
 from aeroservo.datatypes import Array
 from aeroservo.simulate.assemble import Stepper
@@ -64,6 +65,8 @@ class Scenario:
         Length of the run. [s]
     controller : Controller, optional
         Closes the loop.
+    adaptation : Adaptation, optional
+        Identifies the controls while the controller flies, and scales its commands.
     gusts : tuple of SharpGust or CosineGust
         Discrete gusts.
     doublets : tuple of Doublet
@@ -77,15 +80,20 @@ class Scenario:
     profile: Profile
     duration: float
     controller: Controller | None = None
+    adaptation: Adaptation | None = None
     gusts: tuple[SharpGust | CosineGust, ...] = ()
     doublets: tuple[Doublet, ...] = ()
     turbulence: Gustiness | None = None
     initial: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        """Check the duration."""
+        """Check the duration, and that an adaptation is that of the controller."""
         if not 0.0 < self.duration < 1e7:
             raise ValueError(f"duration must be positive and below 1e7 [s], got {self.duration}")
+        if self.adaptation is not None:
+            if self.controller is None:
+                raise ValueError("an adaptation scales a controller: give the scenario its controller too")
+            self.adaptation.check(self.controller)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
