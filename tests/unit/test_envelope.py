@@ -1,4 +1,4 @@
-"""The envelope study: each of its numbers by the function it comes from, margins bracketed, gusts lost when they should."""
+"""The envelope study: each number by the function it comes from, margins bracketed, gusts lost when they should."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import control
 import numpy as np
@@ -14,11 +15,12 @@ from aeroservo.aeroelastic.build import build
 from aeroservo.aircraft.files import read
 from aeroservo.control.closed_loop import closed_loop, loop_plant
 from aeroservo.control.controller import Controller, state_feedback
-from aeroservo.control.disk_margins import disk_margin, margin_curve, mu_bound
+from aeroservo.control.disk_margins import disk_margin, margin_curve, mu_bound, total_delay
 from aeroservo.control.loop import cut_loop, is_stable, unstable_roots
 from aeroservo.control.margin_rules import flutter_clearance, mil_f_9490d
 from aeroservo.control.margins import largest_delay, loop_margins
 from aeroservo.datatypes import FlightCondition, LinearSystem
+from aeroservo.servo import Actuator
 
 IDENTITY = 1e-9  # the same number by a closed form
 TWO_ROUTES = 1e-6  # the same number by another program's search
@@ -45,7 +47,7 @@ SATELLITE = plant_of([[0, 10], [-10, 0]], np.eye(2), [[1, 10], [-10, 1]], np.zer
 
 
 def test_published_disk_margin() -> None:
-    """Seiler, Packard, Gahinet 2020, their 25/(s^3+10s^2+10s+10): 0.46, gain 0.63 to 1.59, 25.8 deg; GM 3.6, PM 29.1."""
+    """Seiler, Packard, Gahinet 2020, 25/(s^3+10s^2+10s+10): 0.46, gain 0.63 to 1.59, 25.8 deg; GM 3.6, PM 29.1."""
     margin = disk_margin(THIRD, gain_of(1.0))
     assert margin.alpha == pytest.approx(0.46, abs=0.005)
     assert margin.gain == pytest.approx((0.63, 1.59), abs=0.005)
@@ -237,6 +239,12 @@ def test_margins_fall_with_delay() -> None:
         assert curve.alpha[i, 1] == pytest.approx(own.alpha, rel=IDENTITY)
     with pytest.raises(ValueError, match="delays_s"):
         margin_curve(model, sweep, damper, delays_s=(-0.001,))
+    late = replace(model, actuators=(Actuator(control="elevon", omega=400.0, delay_s=0.01),))
+    assert total_delay(late, damper) == pytest.approx(0.015)
+    whole = margin_curve(late, sweep, damper, delays_s=(0.005, 0.015, 0.02))
+    assert np.all(np.isnan(whole.alpha[:, 0]))  # the dead time alone is longer
+    assert whole.alpha[:, 1] == pytest.approx(margin_curve(late, sweep, damper).alpha[:, 0], rel=IDENTITY)
+    assert np.all(whole.alpha[:, 2] < whole.alpha[:, 1])
 
 
 def test_refusals() -> None:

@@ -12,11 +12,12 @@ from aeroservo.cli.design import design
 from aeroservo.cli.envelope import envelope
 from aeroservo.cli.flutter import flutter
 from aeroservo.cli.gust import gust
-from aeroservo.cli.output import not_yet
+from aeroservo.cli.margins import margins
 from aeroservo.cli.polar import polar
 from aeroservo.cli.report import report
 from aeroservo.cli.simulate import simulate
 from aeroservo.cli.studio import studio
+from aeroservo.cli.study import demo, study
 
 app = typer.Typer(
     name="aeroservo",
@@ -27,11 +28,6 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-#: Commands of the contract that this version does not have.
-LATER = {
-    "study": "the thesis re-run",
-}
 
 
 def _version(wanted: bool) -> None:
@@ -67,21 +63,9 @@ app.command("design", help="A controller: LQR, LQI, LQG, PID, pole placement; it
 app.command("simulate", help="Time histories in gusts, turbulence and closed loop.")(simulate)
 app.command("gust", help="Critical gusts, peak loads and responses, RMS in turbulence.")(gust)
 app.command("studio", help="A study, live in the browser on 127.0.0.1.")(studio)
+app.command("margins", help="What a controller does to a wing: margins, delay, zeros, standards.")(margins)
 app.command("envelope", help="Boundaries over speed and altitude, with and without control.")(envelope)
 app.command("report", help="Everything about a model in one offline page.")(report)
+app.command("study", help="The thesis re-run: every figure, table and claim, theirs and ours.")(study)
 app.command("validate", help="Re-run the published cases.")(reruns.validate)
-app.command("demo", help="The thesis' tables, theirs and ours.")(reruns.demo)
-
-
-def _absent(name: str, what: str) -> None:
-    @app.command(
-        name,
-        help=f"({what}: not in this version)",
-        context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-    )
-    def _command(ctx: typer.Context) -> None:
-        not_yet(f"the command '{ctx.info_name}' ({what})")
-
-
-for _name, _what in LATER.items():
-    _absent(_name, _what)
+app.command("demo", help="What `study thesis` does, into a folder of its own.")(demo)

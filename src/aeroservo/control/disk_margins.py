@@ -72,9 +72,9 @@ class MarginCurve:
     altitude : ndarray, shape (n_V,)
         Geopotential altitudes. [m]
     delays : ndarray, shape (n_delay,)
-        Computing delays, beside dead times of actuator and sensors. [s]
+        Total delays: computing delay, dead time of the actuator and age of the sample together. [s]
     alpha : ndarray, shape (n_V, n_delay)
-        Balanced disk margin; 0 is unstable. [-]
+        Balanced disk margin; 0 is unstable, nan where the dead times alone are longer. [-]
     frequency : ndarray, shape (n_V, n_delay)
         Where each is smallest, nan where unstable. [rad/s]
     """
@@ -251,7 +251,7 @@ def margin_curve(
     delays_s: Sequence[float] | None = None,
     at: Cut = "input",
 ) -> MarginCurve:
-    """Disk margins of a controller over speeds and altitudes, and against its computing delay.
+    """Disk margins of a controller over speeds and altitudes, and against the total delay of the loop.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def margin_curve(
     altitude : float or ndarray, shape (n_V,)
         Of each condition, for the record. [m]
     delays_s : sequence of float, optional
-        Computing delays in the place of the controller's own; default its own. [s]
+        Total delays in the place of the loop's own (`total_delay`), which is the default. [s]
     at : {"input", "output", "both"}
         What is perturbed.
 
@@ -293,12 +293,16 @@ def margin_curve(
     >>> curve.alpha.round(2).tolist()
     [[1.88, 1.35], [0.47, 0.07]]
     """
-    delays = np.array([controller.delay_s] if delays_s is None else delays_s, dtype=float)
-    alpha, frequency = np.zeros((len(condition.V), len(delays))), np.full((len(condition.V), len(delays)), np.nan)
+    own = total_delay(model, controller)
+    delays = np.array([own] if delays_s is None else delays_s, dtype=float)
+    alpha, frequency = (np.full((len(condition.V), len(delays)), np.nan) for _ in range(2))
     for j, delay in enumerate(delays):
         if delay < 0.0:
             raise ValueError(f"delays_s must not be negative [s], got {delay:g}")
-        plants = loop_plant(model, condition, controller, delay_s=float(delay) - controller.delay_s)
+        extra = float(delay) - own
+        if extra < -controller.delay_s - 1e-12:
+            continue
+        plants = loop_plant(model, condition, controller, delay_s=max(extra, -controller.delay_s))
         for i, q in enumerate(condition.q):
             found = disk_margin(plants[i], controller, at=at, pressure=float(q))
             alpha[i, j] = found.alpha
@@ -310,3 +314,37 @@ def margin_curve(
         alpha=alpha,
         frequency=frequency,
     )
+
+
+def total_delay(model: AeroelasticModel, controller: Controller) -> float:
+    """Delay of a loop from the instant that is measured to the command that acts, lags and hold left out.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        Its actuators and sensors; of several the longest delay counts.
+    controller : Controller
+        What it reads and drives, and its computing delay.
+
+    Returns
+    -------
+    delay : float
+        Age of the sample + computing delay + dead time of the actuator. [s]
+
+    References
+    ----------
+    Project convention: the total delay of a loop is the sum of its pure delays.
+
+    Examples
+    --------
+    >>> from aeroservo.aeroelastic.build import build
+    >>> from aeroservo.aircraft.files import read
+    >>> gain = Controller(A=[], B=[], C=[], D=[[0.1]], inputs=("acc_te",), outputs=("elevon_command_rad",), dt_s=0.005,
+    ...                   delay_s=0.002)
+    >>> total_delay(build(read("bact")), gain)
+    0.002
+    """
+    driven = {name.removesuffix("_rad").removesuffix("_command") for name in controller.outputs}
+    dead = max((a.delay_s for a in model.actuators if a.control in driven), default=0.0)
+    age = max((s.delay_s for s in model.sensors if {s.name, s.channel} & set(controller.inputs)), default=0.0)
+    return controller.delay_s + dead + age

