@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from aeroservo.aeroelastic.build import build
 from aeroservo.aircraft.files import read
 from aeroservo.control.closed_loop import closed_loop
-from aeroservo.control.design import controls
+from aeroservo.control.design import controls, joined
 from aeroservo.control.lqg import LQG
 from aeroservo.control.lqr import LQR
 from aeroservo.control.pid import PID
@@ -91,6 +92,26 @@ def test_full_state_with_what_is_not_measured_inside() -> None:
     assert history is not None
     flown = history.data[:, history.channels.index("pitch_rad")][::5][:200]
     np.testing.assert_allclose(flown, ideal, atol=TWO_ROUTES * 0.01)
+
+
+def test_continuous_full_state_with_an_actuator_flies() -> None:
+    """A continuous controller reads the position of its actuator and simulates its rate: the loop of the design."""
+    model = wing(0.0, None, 0.0)
+    plant = controls(design_plant(model, CONDITION))
+    design = LQR(Q=[0.0, 800.0, 0.0, 1.0], R=[33.0])(plant)
+    assert "elevon_rad" in design.controller.inputs and len(design.controller.states) == 1
+    scenario = Scenario(
+        profile=level(125.0, density=1.01628), duration=1.0, initial=(("pitch_rad", 0.01),),
+        controller=design.as_controller(),
+    )  # fmt: skip
+    history = simulate(model, scenario, stepping=Stepping(dt=0.001)).history
+    assert history is not None
+    closed = joined(plant, design.controller)
+    x = np.zeros(len(closed))
+    x[plant.states.index("pitch_rad")] = 0.01
+    wanted = [(expm(closed * t) @ x)[plant.states.index("pitch_rad")] for t in history.t[::50]]
+    flown = history.data[::50, history.channels.index("pitch_rad")]
+    np.testing.assert_allclose(flown, wanted, atol=TWO_ROUTES * 0.01)
 
 
 def test_integral_does_not_wind_up_in_flight() -> None:

@@ -180,6 +180,9 @@ class ModelRows:
         for names, rows in ((self.displacements, self.q), (self.rates, self.v)):
             if name in names:
                 return self._from_rest(rows[:, names.index(name)])
+        for control, at in zip(self.controls, self.act_at):
+            if at is not None and name == f"{control}_rad":  # the actuator's own, ahead of any play
+                return self._unit(at)
         for sensor in self.model.sensors:
             if name in (sensor.name, sensor.channel):
                 if sensor.bandwidth is not None:
@@ -195,7 +198,8 @@ class ModelRows:
     @property
     def channels(self) -> list[str]:
         """What a controller may read. [-]"""
-        return [*self.displacements, *self.rates, *(s.channel for s in self.model.sensors)]
+        moved = [f"{control}_rad" for control, at in zip(self.controls, self.act_at) if at is not None]
+        return [*self.displacements, *self.rates, *moved, *(s.channel for s in self.model.sensors)]
 
     def _from_rest(self, row: Array) -> Array:
         """The same row, measured from the equilibrium."""
