@@ -50,10 +50,15 @@ def test_json_is_the_contracts_and_the_functions(cli: Cli) -> None:
 
 @pytest.mark.parametrize(
     ("name", "speed", "load"),
-    [("goland", 90, "root_bending_N_m"), ("thesis-binary", 40, "tip_plunge_m"),
-     ("thesis-aircraft", 30, "tip_twist_rad"), ("nasa-typical-section", 40, "plunge_spring_N_per_m"), ("thesis-simulation", 35, "pitch_spring_N_m"),
-     ("thesis-uav", 40, "root_torque_N_m")],
-)  # fmt: skip
+    [
+        ("goland", 90, "root_bending_N_m"),
+        ("thesis-binary", 40, "tip_plunge_m"),
+        ("thesis-aircraft", 30, "tip_twist_rad"),
+        ("nasa-typical-section", 40, "plunge_spring_N_per_m"),
+        ("thesis-simulation", 35, "pitch_spring_N_m"),
+        ("thesis-uav", 40, "root_torque_N_m"),
+    ],
+)
 def test_every_kind_of_model(cli: Cli, name: str, speed: float, load: str) -> None:
     """Peaks and RMS of each kind, finite and growing with the gust."""
     words = ("--speed", speed, "--design", "unit", "--gradients", "2:40:19", "--json")
