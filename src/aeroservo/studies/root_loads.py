@@ -98,7 +98,7 @@ def with_loads(file: FileModel, aero: str | None = None) -> tuple[AeroelasticMod
     loads : LoadRows or None
         Root shear (up), bending moment (tip up) about the x axis and torque (nose up) about the y axis through the
         flexural axis at the root, of a half wing on beams; forces of the springs of a section or a pitch-plunge model;
-        None for other kinds.
+        None for other kinds, and for a section whose springs relax: their force is not K q.
 
     Raises
     ------
@@ -106,6 +106,8 @@ def with_loads(file: FileModel, aero: str | None = None) -> tuple[AeroelasticMod
         As `build`.
     """
     model = build(file, aero)
+    if isinstance(file, TypicalSection) and model.modes.relaxing:
+        return _fitted(model, None)
     if isinstance(file, TypicalSection):
         names = ("plunge_spring_N_per_m", "pitch_spring_N")
         return _fitted(model, LoadRows(names=names, springs=model.modes.K[:2], inertia=0.0 * model.modes.K[:2]))
