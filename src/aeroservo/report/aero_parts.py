@@ -28,7 +28,7 @@ def aero_part(case: ReportCase) -> Part:
     found = aircraft_lattice(wing.model.surfaces(), wing.model.references(), method=wing.method)
     d = found.derivatives
     rows = tuple(
-        (name, *(float(getattr(d, key)[i]) for key in ("CL", "CY", "Cl", "CM", "Cn"))) for i, name in enumerate(d.names)
+        (name, *(_tidy(getattr(d, key)[i]) for key in ("CL", "CY", "Cl", "CM", "Cn"))) for i, name in enumerate(d.names)
     )
     blocks: list[Block] = [
         Prose(
@@ -47,6 +47,11 @@ def aero_part(case: ReportCase) -> Part:
     blocks += _trim(case, d.neutral_point)
     blocks += _loading(case, found)
     return Part(title="Aerodynamics", anchor="aerodynamics", blocks=tuple(blocks))
+
+
+def _tidy(value: float) -> float:
+    """Rounding errors and minus zero are zero."""
+    return 0.0 if abs(value) < 1e-12 else float(value)
 
 
 def _polars(case: ReportCase) -> list[Block]:
@@ -102,11 +107,12 @@ def _trim(case: ReportCase, neutral_point: float) -> list[Block]:
     ratio = tuple(Series(name=n, x=100.0 * t.static_margin, y=t.polar.lift_to_drag) for n, t in trims)
     angle = tuple(Series(name=n, x=100.0 * t.static_margin, y=np.degrees(t.delta)) for n, t in trims)
     own = wing.model.masses()
-    lines = [Mark(at=0.0, text="neutral point", kind="zero")]
+    lines, where = [Mark(at=0.0, text="neutral point", kind="zero")], ""
     if own is not None:
         c = wing.model.references().c
         at = 100.0 * (neutral_point - float(own.cg[0])) / c
         lines.append(Mark(at=at, text=f"the file's centre of gravity: {at:.3g} %", kind="reversal"))
+        where = f" The file's own centre of gravity is at {at:.3g} %.".replace("-", "−")
     label = "static margin, % of the reference chord"
     return [
         Chart(
@@ -115,7 +121,8 @@ def _trim(case: ReportCase, neutral_point: float) -> list[Block]:
             y_label="CL/CD in trim, -",
             title="Trimmed lift over drag",
             marks=tuple(lines),
-            caption=f"At CL = {CL:g}: what stability costs; curves end where no balance lies inside the polars.",
+            caption=f"At CL = {CL:g}: what stability costs; curves end where no balance lies inside the polars."
+            + where,
         ),
         Chart(
             series=angle,
