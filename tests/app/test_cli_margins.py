@@ -44,7 +44,7 @@ def test_json(cli: Cli, rate_loop: Path) -> None:
         alpha = disk_margin(loop_plant(model, at, own), own).alpha
         assert p["disk_margin"]["inputs"] == pytest.approx(alpha, rel=1e-9)
         assert p["stable"] is (alpha > 0.0)
-        assert [(m["at"], m["channel"]) for m in p["loops"]][0] == ("input", "elevon_command_rad")
+        assert next((m["at"], m["channel"]) for m in p["loops"]) == ("input", "elevon_command_rad")
         assert len(p["loops"]) == 3
     lost = content["speeds"][-1]  # past divergence, which no rate loop moves
     assert not lost["stable"]
