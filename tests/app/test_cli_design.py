@@ -137,6 +137,8 @@ def test_any_kind_of_model(cli: Cli) -> None:
     assert any(name.startswith("lag_") for name in found["states"])
     assert not any(name.startswith("lag_") for name in found["measured"])
     assert max(re for re, _ in found["closed_loop_eigenvalues"]) < 0.0
+    text = cli("design", "thesis-binary", "--aero", "theodorsen", "--method", "lqr", "--speed", 60, "--q", "1,1").out
+    assert " more" in text
     free = cli("design", "thesis-aircraft", "--method", "lqr", "--speed", 50, "--q", "1,1,1,1,1", "--json").json
     assert "heave_m" not in free["states"] and "heave_rate_m_s" in free["states"]
 

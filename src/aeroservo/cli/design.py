@@ -49,6 +49,9 @@ class DesignMethod(StrEnum):
 MOST_POINTS = 400
 """Most points of a schedule: each has its margins computed."""
 
+SHOWN = 24
+"""States and roots that are printed for people."""
+
 Method = Annotated[DesignMethod, typer.Option("--method", help="Kind of controller.")]
 Speed = Annotated[float | None, typer.Option("--speed", metavar="M_S", help="True airspeed, m/s.")]
 Row = Annotated[
@@ -565,11 +568,15 @@ def _print(head: dict[str, Any], V: list[float], found: Synthesis) -> None:
         typer.echo(table(points, ("V, m/s", "q, Pa", "disk margin", "gain, dB", "phase, deg", "residual")))
         return
     if d.states:
-        rows = [(name, *map(float, d.K[:, i])) for i, name in enumerate(d.states)]
+        rows = [(name, *map(float, d.K[:, i])) for i, name in enumerate(d.states)][:SHOWN]
         typer.echo(table(rows, ("state", *(f"K to {name}" for name in c.outputs))))
+        if len(d.states) > SHOWN:
+            typer.echo(f"and {len(d.states) - SHOWN} more states: --json has them all")
     plane = "s, 1/s" if c.dt_s is None else "z"
     roots = sorted(d.closed_loop_eigenvalues.tolist(), key=lambda s: (-s.real, s.imag))
-    typer.echo(f"closed-loop roots ({plane}): {', '.join(_root(s) for s in roots if s.imag >= 0.0)}")
+    shown = [_root(s) for s in roots if s.imag >= 0.0]
+    more = f" and {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
+    typer.echo(f"closed-loop roots ({plane}): {', '.join(shown[:SHOWN])}{more}")
     alpha = found.margins[0].alpha
     gain, phase = _margins(alpha)
     typer.echo(

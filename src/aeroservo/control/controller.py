@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeroservo.control.controller_json import fields_of, no_constant
 from aeroservo.datatypes import Array, LinearSystem, frozen
 
 LARGEST = 10_000_000
@@ -229,7 +229,7 @@ def read_controller(path: str | Path) -> Controller:
     try:
         if path.stat().st_size > LARGEST:
             raise ValueError(f"{path}: is larger than {LARGEST / 1e6:.0f} MB")
-        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, json.JSONDecodeError) as error:
@@ -237,7 +237,7 @@ def read_controller(path: str | Path) -> Controller:
     except RecursionError:
         raise ValueError(f"{path}: is nested too deeply") from None
     try:
-        return _parsed(data)
+        return Controller(**fields_of(data))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -322,87 +322,3 @@ def controller_content(controller: Controller | LinearSystem) -> dict[str, Any]:
         return head | points[0]
     pressures = [{"dynamic_pressure_Pa": float(q)} for q in c.pressures]
     return head | {"interpolation": "linear", "points": [q | point for q, point in zip(pressures, points)]}
-
-
-def _no_constant(word: str) -> float:
-    raise ValueError(f"{word} is not a number of JSON")
-
-
-def _parsed(data: Any) -> Controller:
-    """A controller from what JSON gives."""
-    if not isinstance(data, dict):
-        raise ValueError("must be one JSON object")
-    version = data.get("schema_version", 1)
-    if version != 1:
-        raise ValueError(f"schema_version = {version!r} is not 1, the version that this program reads")
-    names = {}
-    for key in ("inputs", "outputs"):
-        value = data.get(key)
-        if not isinstance(value, list) or not value or not all(isinstance(name, str) for name in value):
-            raise ValueError(f"{key} must be a list of one or more channel names, got {value!r:.80}")
-        if len(set(value)) != len(value):
-            raise ValueError(f"{key} must differ, got {value!r:.200}")
-        names[key] = tuple(value)
-    points = data.get("points")
-    if points is None:
-        points, pressures = [data], None
-    else:
-        if not isinstance(points, list) or not points or not all(isinstance(p, Mapping) for p in points):
-            raise ValueError("points must be a list of objects with dynamic_pressure_Pa, A, B, C, D")
-        pressures = np.array([_number(p, "dynamic_pressure_Pa", None) for p in points])
-        if data.get("interpolation", "linear") != "linear":
-            raise ValueError(f"interpolation must be 'linear', got {data['interpolation']!r:.40}")
-    n_in, n_out = len(names["inputs"]), len(names["outputs"])
-    told = [*"ABCD", *(["windup"] if any("windup" in p for p in points) else [])]
-    stacks = {key: [_matrix(p, key) for p in points] for key in told}
-    n_c = len(stacks["A"][0])
-    shapes = {"A": (n_c, n_c), "B": (n_c, n_in), "C": (n_out, n_c), "D": (n_out, n_in), "windup": (n_c, n_out)}
-    matrices = {}
-    for key, stack in stacks.items():
-        for value in stack:
-            if value.size != shapes[key][0] * shapes[key][1] or (value.size and value.shape != shapes[key]):
-                raise ValueError(f"{key} must be {shapes[key][0]} x {shapes[key][1]}, got shape {value.shape}")
-        matrices[key] = np.stack([value.reshape(shapes[key]) for value in stack])
-    dt = data.get("dt_s")
-    return Controller(
-        **matrices,
-        inputs=names["inputs"],
-        outputs=names["outputs"],
-        dt_s=None if dt is None else _number(data, "dt_s", None),
-        delay_s=_number(data, "delay_s", 0.0),
-        limits=_limits(data.get("limits"), names["outputs"]),
-        pressures=pressures,  # type: ignore[arg-type]
-    )
-
-
-def _matrix(data: Mapping[str, Any], key: str) -> Array:
-    """A matrix of numbers; [] and [[]] are empty."""
-    value = data.get(key, [])
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{key} must be rows of numbers, all of one length") from None
-    if array.size and array.ndim != 2:
-        raise ValueError(f"{key} must be rows of numbers, got {array.ndim} axes")
-    if not np.all(np.isfinite(array)):
-        raise ValueError(f"{key} holds a value that is not finite")
-    return array if array.ndim == 2 else np.zeros((0, 0))
-
-
-def _number(data: Mapping[str, Any], key: str, default: float | None) -> float:
-    """A finite number of a field."""
-    value = data.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"{key} must be a number, got {value!r:.40}")
-    return float(value)
-
-
-def _limits(data: Any, outputs: tuple[str, ...]) -> tuple[float, ...]:
-    """Largest magnitude of each output by its name."""
-    if data is None:
-        return ()
-    if not isinstance(data, dict) or set(data) - set(outputs):
-        raise ValueError(
-            f"limits must name outputs out of {list(outputs)} and their largest magnitude, got {data!r:.80}"
-        )
-    return tuple(_number(data, name, 0.0) for name in outputs)
