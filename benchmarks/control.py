@@ -17,10 +17,12 @@ import numpy as np
 import scipy.linalg
 
 import aeroservo as av
+from aeroservo.control.controller import Controller
+from aeroservo.control.lqg import LQG
 from aeroservo.control.lqr import LQR
 from aeroservo.control.schedule import design_schedule
 from aeroservo.datatypes import FlightCondition
-from aeroservo.servo import Actuator
+from aeroservo.servo import Actuator, Sensor
 from aeroservo.studies.envelope import envelope
 from benchmarks.side_by_side import Row, compare
 
@@ -28,35 +30,41 @@ POINTS = 200
 ALTITUDES = np.linspace(0.0, 6000.0, 20)
 #: Time that an envelope over 20 altitudes may take on a machine of two cores. [s]
 ALLOWED = 30.0
+#: Weights: 2 degrees of pitch, 60 degrees a second, 10 degrees of elevon.
+PITCH, RATE, ELEVON = (1.0 / np.radians(x) ** 2 for x in (2.0, 60.0, 10.0))
 
 
 def measure() -> list[Row]:
-    """Schedule and envelope."""
-    model = replace(
-        av.build(av.read("thesis-simulation")), actuators=(Actuator(control="elevon", omega=60.0, zeta=0.7),)
-    )
+    """Schedules and envelope."""
+    file = av.read("thesis-simulation")
+    gyro = Sensor(name="gyro", unit="rad_s", rate=(0.0, 1.0))
+    servo = Actuator(control="elevon", omega=60.0, zeta=0.7)
+    model = replace(av.build(file), actuators=(servo,), sensors=(gyro,))
     sweep = FlightCondition.at(3048.0, V=np.linspace(15.0, 130.0, POINTS))
-    states = 7  # plunge, pitch, their rates, elevon and its rate, one sample of delay
-    weights = LQR(Q=np.diag([1e-6, 820.0, 1e-6, 0.9, *[1e-6] * (states - 4)]), R=np.eye(1) * 32.8)
+    regulator = LQR(Q=np.array([0.0, PITCH, 0.0, RATE, 0.0, 0.0, 0.0]), R=np.array([ELEVON]))
+    observer = LQG(Q=np.array([0.0, PITCH, 0.0, RATE]), R=np.array([ELEVON]), recovery=0.1)
 
-    def design() -> Any:
-        return design_schedule(model, weights, sweep, rate_Hz=200.0, delay_samples=1)
+    def full_state() -> Controller:
+        return design_schedule(model, regulator, sweep, rate_Hz=200.0, delay_samples=1)
 
-    solves = riccati_problems(design)
-    rows = [
-        compare(
-            f"LQR schedule, {POINTS} points / {len(solves)} bare Riccati solves",
-            design,
-            lambda: [scipy.linalg.solve_discrete_are(*one) for one in solves],
-            target=3.0,
-            rounds=5,
-        )
-    ]
+    def gyro_alone() -> Controller:
+        return design_schedule(model, observer, sweep, rate_Hz=200.0, delay_samples=1, sensors=["gyro"])
+
+    rows = []
+    for name, design in (("LQR", full_state), ("gyro LQG with recovery", gyro_alone)):
+        solves = riccati_problems(design)
+
+        def bare(solves: list[tuple[Any, ...]] = solves) -> None:
+            for one in solves:
+                scipy.linalg.solve_discrete_are(*one)
+
+        title = f"{name} schedule, {POINTS} points / {len(solves)} Riccati solves"
+        rows.append(compare(title, design, bare, target=3.0, rounds=5))
     schedule = design_schedule(
-        av.build(av.read("thesis-simulation")), LQR(Q=np.diag([0.0, 820.0, 0.0, 0.9, 0.0]), R=np.eye(1) * 32.8),
-        sweep[::10], rate_Hz=200.0, delay_samples=1,
+        av.build(file), replace(regulator, Q=np.array([0.0, PITCH, 0.0, RATE, 0.0])), sweep[::10], rate_Hz=200.0,
+        delay_samples=1,
     )  # fmt: skip
-    file, speeds = av.read("thesis-simulation"), np.arange(5.0, 150.0, 0.5)
+    speeds = np.arange(5.0, 150.0, 0.5).tolist()
     envelope(file, (0.0,), speeds, method=av.P(), controller=schedule)
     start = time.perf_counter()
     envelope(file, ALTITUDES.tolist(), speeds, method=av.P(), controller=schedule)
