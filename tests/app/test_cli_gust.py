@@ -158,6 +158,11 @@ def test_controller_and_figures(cli: Cli, tmp_path: Path) -> None:
     assert closed["rms_per_unit"]["pitch_rad"] != pytest.approx(plain["rms_per_unit"]["pitch_rad"], rel=1e-2)
     assert closed["critical"]["elevon_rad"]["peak"] > 0.0
     assert plot.read_bytes().startswith(b"%PDF") and spectra.read_bytes().startswith(b"\x89PNG")
+    file.write_text(json.dumps(law | {"dt_s": 0.005}))
+    sampled = cli(*words, "--controller", file, "--plot", plot, "--json").json
+    assert sampled["critical"] is None and any("instants" in note for note in sampled["warnings"])
+    assert sampled["rms_per_unit"]["pitch_rad"] == pytest.approx(closed["rms_per_unit"]["pitch_rad"], rel=0.05)
+    assert sampled["cases"][0]["peak"]["pitch_rad"] == pytest.approx(closed["cases"][0]["peak"]["pitch_rad"], rel=0.05)
     out = cli(*words).out
     assert "largest peak" in out and "pitch_rad" in out and "RMS per m/s" in out
 

@@ -209,7 +209,7 @@ def test_a_continuous_controller_closes_the_loop() -> None:
     elevon = closed.outputs.index("elevon_rad")
     velocity = design_velocity("unit", altitude=None, density=1.0)
     assert gust_loads(closed, gradients=[10.0], velocity=velocity, bounds=None).peak[0, elevon] > 0.0
-    with pytest.raises(ValueError, match=r"continuous controller .* use `simulate`"):
+    with pytest.raises(ValueError, match=r"continuous controller .* use `sampled_gust_loads`"):
         gust_plant(model, condition, controller=replace(gain, dt_s=0.01))
 
 

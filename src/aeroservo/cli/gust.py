@@ -116,7 +116,7 @@ def gust(
     scale_length : float, optional
         Of the turbulence. [m]
     controller : Path, optional
-        A continuous controller that closes the loop.
+        Controller that closes the loop; of a sampled one the samples are held.
     aero : AeroTheory, optional
         Air forces; samples are fitted first.
     fit_bound : float
@@ -135,8 +135,10 @@ def gust(
     """
     from aeroservo.aircraft.files import read
     from aeroservo.control.controller import read_controller
+    from aeroservo.datatypes import AeroelasticModel
     from aeroservo.studies.gust_loads import design_velocity, gust_loads
     from aeroservo.studies.gust_plant import gust_plant
+    from aeroservo.studies.gust_sampled import sampled_gust_loads
 
     checked_output(plot, PLOTS, "--plot")
     checked_output(spectra, PLOTS, "--spectra")
@@ -158,20 +160,24 @@ def gust(
     H, bounds = _gradients(gradients, law, file, flown)
     velocity(H)  # refuses what the law does not cover
     loop = None if controller is None else read_controller(controller)
-    plant = gust_plant(flown, condition, controller=loop, loads=rows)
-    found = gust_loads(
-        plant, gradients=H, velocity=velocity, bounds=bounds, turbulence=state, model=turbulence_kind.value
-    )  # fmt: skip
+    kind: Any = turbulence_kind.value
+    plant = None
+    if loop is not None and loop.dt_s is not None and isinstance(flown, AeroelasticModel):
+        found = sampled_gust_loads(
+            flown, condition, loop, gradients=H, velocity=velocity, turbulence=state, filter=kind, loads=rows
+        )
+    else:
+        plant = gust_plant(flown, condition, controller=loop, loads=rows)
+        found = gust_loads(plant, gradients=H, velocity=velocity, bounds=bounds, turbulence=state, model=kind)
     notes = [*file.problems(), *found.notes]
     tell(notes)
     head = heading(file.name, where, float(condition.rho), notes)
-    kind: Any = turbulence_kind.value
     title = f"{file.name}: gusts at {speed:g} m/s, {air(head)}"
     if plot is not None:
         from aeroservo.report.gust_figures import gust_figure
         from aeroservo.studies.turbulence_spectra import response_spectra
 
-        response = response_spectra(plant, state, kind) if found.stable else None
+        response = response_spectra(plant, state, kind) if found.stable and plant is not None else None
         draw(plot, gust_figure(found, title, spectra=response))
     if spectra is not None:
         from aeroservo.report.gust_figures import spectrum_figure

@@ -22,6 +22,7 @@ __all__ = [
     "discretise",
     "folded_psd",
     "stationary_covariance",
+    "step_covariance",
 ]
 
 Array = NDArray[Any]
@@ -170,6 +171,43 @@ def _factor(Q: Array) -> Array:
     safe = np.where(scale > 0.0, scale, 1.0)
     value, vector = np.linalg.eigh(Q / (safe[..., :, None] * safe[..., None, :]))
     return scale[..., :, None] * vector * np.sqrt(np.maximum(value, 0.0))[..., None, :]
+
+
+def step_covariance(A: ArrayLike, B: ArrayLike, dt: float) -> Array:
+    """Covariance that white noise adds to the states of a linear system over one step, stable or not.
+
+    Parameters
+    ----------
+    A : array_like, shape (..., n, n)
+        System matrix. [1/s]
+    B : array_like, shape (..., n, m)
+        Inputs, independent unit white noises. [states/sqrt(s)]
+    dt : float
+        Step, positive. [s]
+
+    Returns
+    -------
+    Qd : ndarray, shape (..., n, n)
+        Integral over the step of e^(A s) B B^T e^(A^T s). [states squared]
+
+    Raises
+    ------
+    ValueError
+        If the step is not positive.
+
+    References
+    ----------
+    C. F. Van Loan, IEEE Trans. Autom. Control 23(3), 1978.
+
+    Examples
+    --------
+    >>> step_covariance([[0.0]], [[2.0]], 0.5)
+    array([[2.]])
+    """
+    if not dt > 0.0:
+        raise ValueError(f"time step dt must be positive [s], got {dt:g}")
+    A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    return _transition(A, B @ np.swapaxes(B, -1, -2), dt)[1]
 
 
 def stationary_covariance(A: ArrayLike, B: ArrayLike) -> Array:

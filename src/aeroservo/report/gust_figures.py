@@ -130,7 +130,8 @@ def gust_figure(loads: GustLoads, title: str, *, spectra: tuple[Array, Array] | 
     figure = new_figure(title, 1, 2, width=5.2, height=3.9)
     plot_peaks(loads, figure.axes[0])
     if spectra is None:
-        nothing_to_show(figure.axes[1], "unstable at this speed:\nno stationary response to turbulence")
+        why = "sampled controller:\nthe RMS is at its samples" if loads.stable else "unstable at this speed"
+        nothing_to_show(figure.axes[1], f"{why}:\nno stationary response to turbulence" if not loads.stable else why)
     else:
         plot_response_spectra(*spectra, loads.channels, figure.axes[1])
         figure.axes[1].set_title("response to turbulence", fontsize="small")

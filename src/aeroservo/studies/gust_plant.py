@@ -42,6 +42,12 @@ class GustPlant:
         Displacements that nothing brings back; left out of the outputs.
     notes : tuple of str
         What was left out.
+    commands : tuple of str
+        Commands that a sampled controller may hold.
+    B_command, D_command : ndarray, shapes (n, n_u) and (n_y, n_u)
+        Their effect on states and channels. [SI]
+    command_delay : float
+        Dead time of the actuators. [s]
     """
 
     A: Array
@@ -54,6 +60,10 @@ class GustPlant:
     V: float
     drifting: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    commands: tuple[str, ...] = ()
+    B_command: Array = None  # type: ignore[assignment]
+    D_command: Array = None  # type: ignore[assignment]
+    command_delay: float = 0.0
 
     @property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
@@ -82,7 +92,7 @@ def gust_plant(
     condition : FlightCondition
         One condition, shape ().
     controller : Controller, optional
-        A continuous one that closes the loop.
+        A continuous one that closes the loop; for a sampled one see `sampled_gust_loads`.
     loads : LoadRows, optional
         Internal loads to be added to the channels, from `with_loads`, which made the model as well.
 
@@ -101,8 +111,8 @@ def gust_plant(
     inside = None if controller is None else controller.continuous
     if controller is not None and inside is None:
         raise ValueError(
-            f"gust loads need a continuous controller (dt_s null), this one is sampled every {controller.dt_s} s: "
-            "use `simulate`, which holds its samples"
+            f"this plant takes a continuous controller (dt_s null), this one is sampled every {controller.dt_s} s: "
+            "use `sampled_gust_loads`"
         )
     if isinstance(model, LinearSystem):
         if inside is not None:
@@ -113,13 +123,13 @@ def gust_plant(
     if not s.inputs:
         raise ValueError("the model has no gust input: its air forces have no gust column")
     rows, names, notes = _linear(s, condition)
-    n, m = len(s.states), len(s.inputs)
-    A, B, B_rate = rows[:n, :n], rows[:n, n : n + m], rows[:n, n + m :]
+    n, m, live = len(s.states), len(s.inputs), len(s.states) + 2 * len(s.inputs)
+    A, B, B_rate = rows[:n, :n], rows[:n, n : n + m], rows[:n, n + m : live]
     out = rows[n:]
     if not isinstance(model, LinearSystem):
         extra, more = _tip_and_loads(model, condition, s, rows, loads)
         out, names = np.concatenate([out, extra]), [*names, *more]
-    C, D, rate = out[:, :n], out[:, n : n + m], out[:, n + m :]
+    C, D, rate = out[:, :n], out[:, n : n + m], out[:, n + m : live]
     # a rate that drives the states (a lagging accelerometer) is taken into the state: x - B_rate w
     plant = GustPlant(
         A=A,
@@ -131,20 +141,25 @@ def gust_plant(
         x_offset=s.offsets,
         V=float(condition.V),
         notes=tuple(notes),
+        commands=s.commands,
+        B_command=rows[:n, live:],
+        D_command=out[:, live:],
+        command_delay=float(s.delays_s.max(initial=0.0)),
     )
     return _without_drift(plant, s.states)
 
 
 def _linear(s: Stepper, condition: FlightCondition) -> tuple[Array, list[str], list[str]]:
-    """Rows of states and outputs over the columns [x, w, w'], elements taken as straight lines."""
+    """Rows of states and outputs over the columns [x, w, w', commands], elements taken as straight lines."""
     Z = s.rows(condition[None])[0]
     n_x, n_w, n_s, n_phi, _ = s.sizes
-    live, first = n_x + n_w, n_x + n_w + n_s
-    values = np.zeros((n_phi, live))
+    live, first, n_u = n_x + n_w, n_x + n_w + n_s, n_s // 2
+    held = Z[:, live : live + n_u] * s.gains + Z[:, live + n_u : first]  # what acts, and what is asked for
+    own = np.concatenate([Z[:, :live], held], axis=1)
+    values = np.zeros((n_phi, live + n_u))
     for j in range(n_phi):
-        row = Z[n_x + j]
-        values[j] = row[:live] + row[first : first + j] @ values[:j]
-    rows = Z[:, :live] + Z[:, first : first + n_phi] @ values
+        values[j] = own[n_x + j] + Z[n_x + j, first : first + j] @ values[:j]
+    rows = own + Z[:, first : first + n_phi] @ values
     keep = [*range(n_x), *range(n_x + n_phi, len(Z))]
     notes = [f"{name} is taken as not reached: the response is linear" for name in s.elements.names]
     if not isinstance(s.model, LinearSystem) and np.any(s.delays_s) and s.controller is not None:
@@ -160,7 +175,7 @@ def _tip_and_loads(
 
     n, n_x, m = model.modes.n, len(s.states), len(s.inputs)
     q, rate, acceleration = np.eye(n, rows.shape[1]), rows[:n], rows[n : 2 * n].copy()
-    acceleration[:, n_x + m :] += rate[:, n_x : n_x + m]  # the jump of the rates follows the gust
+    acceleration[:, n_x + m : n_x + 2 * m] += rate[:, n_x : n_x + m]  # the jump of the rates follows the gust
     out: list[Array] = []
     names: list[str] = []
     if len(model.modes.grid) and "plunge" not in model.modes.names:
@@ -222,5 +237,9 @@ def _without_drift(plant: GustPlant, states: tuple[str, ...]) -> GustPlant:
         x_offset=plant.x_offset,
         V=plant.V,
         drifting=names,
+        commands=plant.commands,
+        B_command=plant.B_command[kept],
+        D_command=plant.D_command[~felt],
+        command_delay=plant.command_delay,
         notes=(*plant.notes, f"{', '.join(names)}: nothing brings it back, so it has neither a peak nor an RMS"),
     )
