@@ -103,4 +103,5 @@ def history_figure(history: TimeHistory, title: str, *, axes: Sequence[Axes] | N
     if history.events:
         below += "   (dotted: " + "; ".join(f"{event.t:.4g} s, {event.text}" for event in history.events) + ")"
     axes[-1].set_xlabel(literal(below))
+    figure.align_ylabels(list(axes))
     return figure
