@@ -89,7 +89,7 @@ class Adaptation:
     memory_s: float = 5.0
     robust: float = 3.0
     accuracy: float = 0.08
-    sharp: float = 0.02
+    sharp: float = 0.015
     quiet: float = math.radians(0.02)
     gains: tuple[float, float] = (0.5, 2.0)
     gain_rate: float = 0.25
@@ -167,7 +167,7 @@ def control_adaptation(
     schedule: Controller,
     conditions: FlightCondition,
     *,
-    dither: float = math.radians(2.5),
+    dither: float = math.radians(3.0),
     dither_samples: int = 20,
     bounds: tuple[float, float] = (0.3, 3.0),
 ) -> Adaptation:
