@@ -307,6 +307,9 @@ def test_weak_modes_are_named_where_a_problem_is_ill_conditioned() -> None:
     assert "hardly seen by gyro" in words
     stiff = np.array([[0.0, 1e9], [1e-9, -1.0]])
     assert "decades" in explain_regulator(stiff, np.ones((2, 1)), np.eye(2), ("m", "km"))
+    assert "weights are too far apart (that of b is 1e+30" in explain_regulator(
+        np.array([[0.0, 1.0], [-1.0, 0.0]]), np.array([[0.0], [1.0]]), np.diag([1.0, 1e30]), ("a", "b")
+    )
     assert modes_out_of_reach(np.zeros((0, 0)), np.zeros((0, 1)), ()) == []
 
 
@@ -639,7 +642,11 @@ def test_poles_arrive(dt: float | None) -> None:
 
 
 def test_poles_that_cannot_be_placed() -> None:
-    """Wrong in number, not in pairs, out of reach."""
+    """Wrong in number, not in pairs, out of reach, beyond the precision of numbers."""
+    assert PolePlacement(poles=np.zeros(2))(second_order()).residual < 1e-9
+    wing = controls(design_plant(build(read("thesis-simulation")), FlightCondition.at(3048.0, V=60.0)))
+    with pytest.raises(ValueError, match="roots miss them"):  # the slow ones would be 3 % off
+        PolePlacement(poles=[-1e9, -1.0, -2.0, -3.0])(wing)
     with pytest.raises(ValueError, match="conjugate pairs"):
         PolePlacement(poles=[-1.0 + 1.0j])
     with pytest.raises(ValueError, match=r"poles must be 2 \[1/s\]"):

@@ -11,7 +11,7 @@ from aeroservo.control.verify import WEAK, modes_out_of_reach
 from aeroservo.datatypes import Array, LinearSystem, frozen
 
 PLACED = 1e-6
-"""Largest distance of a placed root from its wish, part of the largest root. [-]"""
+"""Largest relative difference of the characteristic polynomial from the wanted one. [-]"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,7 +48,7 @@ class PolePlacement:
         Returns
         -------
         design : Design
-            Residual: largest distance of a root of A - B K from its wish, part of the largest. [SI]
+            Residual: characteristic polynomial of A - B K against the wanted one. [SI]
 
         Raises
         ------
@@ -104,7 +104,7 @@ def place(
     K : ndarray, shape (m, n)
         u = -K x. [SI]
     residual : float
-        Coefficients of the closed loop's polynomial against those wanted, at test points. [-]
+        Characteristic polynomial of the closed loop against the wanted one, on circles outside each root. [-]
 
     Raises
     ------
@@ -132,7 +132,11 @@ def place(
             K = np.asarray(place_poles(A, B, wanted, rtol=1e-6, maxiter=200).gain_matrix)
         except ValueError as error:
             raise ValueError(f"these poles cannot be placed: {error}{_why(A, B, states, dt)}") from None
-    residual = _distance(A - B @ K, wanted) if np.all(np.isfinite(K)) else np.inf
+    residual = (
+        _distance(A - B @ K, wanted, float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)))
+        if np.all(np.isfinite(K))
+        else np.inf
+    )
     if not residual <= PLACED:
         raise ValueError(f"these poles cannot be placed: roots miss them by {residual:.1e}{_why(A, B, states, dt)}")
     return K, residual
@@ -167,15 +171,18 @@ def _ackermann(A: Array, B: Array, wanted: Array) -> Array:
     return np.asarray((row.real / product) @ basis.T / scale)[None, :]
 
 
-def _distance(closed: Array, wanted: Array) -> float:
-    """Characteristic polynomial against the wanted one on a circle about all roots: repeated roots do not matter."""
-    radius = 1.5 * max(
-        float(np.abs(wanted).max(initial=0.0)), float(np.abs(np.linalg.eigvals(closed)).max(initial=0.0))
-    )
-    points = (radius or 1.0) * np.exp(1j * np.array([0.3, 1.1, 2.0, 2.9]))
+def _distance(closed: Array, wanted: Array, scale: float) -> float:
+    """Characteristic polynomial against the wanted one, on a circle outside each wanted root.
+
+    A circle for each, since a far root hides the others; polynomials rather than roots, since repeated roots scatter.
+    Roots wanted at the origin are judged on the plant's own scale.
+    """
+    size = np.abs(wanted)
+    radii = np.unique(1.5 * np.where(size > 1e-6 * scale, size, scale or 1.0))
+    points = (radii[:, None] * np.exp(1j * np.array([0.3, 1.1, 2.0, 2.9]))).ravel()
     sign, logs = np.linalg.slogdet(points[:, None, None] * np.eye(len(closed)) - closed)
     aim = np.sum(np.log((points[:, None] - wanted).astype(complex)), axis=1)
-    return float(np.abs(sign * np.exp(logs - aim) - 1.0).max())
+    return float(np.abs(sign * np.exp(logs - aim) - 1.0).max(initial=0.0))
 
 
 def _why(A: Array, B: Array, states: tuple[str, ...], dt: float | None) -> str:

@@ -22,6 +22,9 @@ HIDDEN = 1e-9
 WEAK = 1e-5
 """Below this it is named where a problem turns out ill-conditioned. [-]"""
 
+FAR_APART = 6.0
+"""Decades between the sizes of states above which they are blamed. [-]"""
+
 BORDER = 1e-8
 """Roots this close to the border of stability, part of the largest root, are on it. [-]"""
 
@@ -243,7 +246,7 @@ def explain_regulator(
         )
     weak = modes_out_of_reach(A, B, states, dt=dt, below=WEAK)
     weak += modes_out_of_sight(A, _root(Q), states, dt=dt, below=WEAK, border_only=True)
-    return _ill(A, weak, states, f"hardly reached by {by}, or hardly weighed")
+    return _ill(A, Q, weak, states, f"hardly reached by {by}, or hardly weighed")
 
 
 def explain_filter(
@@ -288,7 +291,7 @@ def explain_filter(
         )
     weak = modes_out_of_sight(A, C, states, dt=dt, below=WEAK)
     weak += modes_out_of_reach(A, _root(W), states, dt=dt, below=WEAK, border_only=True)
-    return _ill(A, weak, states, f"hardly seen by {by}, or hardly driven")
+    return _ill(A, W, weak, states, f"hardly seen by {by}, or hardly driven")
 
 
 def _weak(
@@ -332,15 +335,19 @@ def _list(modes: list[Mode]) -> str:
     return " and ".join(str(mode) for mode in modes)
 
 
-def _ill(A: Array, weak: list[Mode], states: Sequence[str], how: str) -> str:
+def _ill(A: Array, weight: Array, weak: list[Mode], states: Sequence[str], how: str) -> str:
     """Words for a problem that has a solution which numbers of this precision do not give."""
     from scipy.linalg import matrix_balance
 
     if weak:
         return f"is ill-conditioned: {_list(weak)} is {how}"
     scale = matrix_balance(A, permute=False, separate=True)[1][0]
-    low, high = states[int(np.argmin(scale))], states[int(np.argmax(scale))]
+    decades = float(np.ptp(np.log10(scale)))
+    if decades >= FAR_APART:
+        low, high = states[int(np.argmin(scale))], states[int(np.argmax(scale))]
+        return f"is ill-conditioned: states differ in size by {decades:.0f} decades ({low} to {high}); scale them"
+    largest = int(np.argmax(np.diag(weight)))
     return (
-        f"is ill-conditioned: states differ in size by {np.ptp(np.log10(scale)):.0f} decades ({low} to {high}); "
-        "scale them, or change the weights"
+        f"is ill-conditioned: the weights are too far apart (that of {states[largest]} is "
+        f"{weight[largest, largest]:.3g} against those of inputs or sensors); bring them closer"
     )
