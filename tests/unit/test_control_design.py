@@ -689,6 +689,19 @@ def test_synthesis_of_models_and_systems() -> None:
             call()
 
 
+def test_sensors_that_state_their_noise_are_believed() -> None:
+    """A noisy gyro makes a filter that trusts it less; one that says nothing has the noise of its unit."""
+    designs = []
+    for noise in (0.0, math.radians(0.1), math.radians(3.0)):
+        gyro = Sensor(name="gyro", unit="rad_s", rate=(0.0, 1.0), noise=noise)
+        model = replace(build(read("thesis-simulation")), sensors=(gyro,))
+        at = FlightCondition.at(3048.0, V=40.0)
+        found = synthesise(model, LQG(Q=[0.0, 800.0, 0.0, 1.0], R=[33.0]), at, rate_Hz=200.0, sensors=["gyro"])
+        designs.append(found.controller)
+    np.testing.assert_array_equal(designs[0].A, designs[1].A)
+    assert np.linalg.norm(designs[2].B) < 0.5 * np.linalg.norm(designs[1].B)
+
+
 def test_observer_of_a_continuous_plant_with_direct_action() -> None:
     """A command that acts at once on a sensor is taken out of the innovation."""
     plant = second_order(C=[[1.0, 0.0]], D=[[0.7]], outputs=("y_m",))

@@ -85,7 +85,9 @@ W = Annotated[
 ]
 V = Annotated[
     str | None,
-    typer.Option("--v", metavar="LIST", help="lqg: standard deviations of the sensors, SI (default by their unit)."),
+    typer.Option(
+        "--v", metavar="LIST", help="lqg: standard deviations of the sensors, SI (default: their noise, or by unit)."
+    ),
 ]
 Recovery = Annotated[
     float, typer.Option("--recovery", metavar="DEG", help="lqg: loop-transfer recovery, command noise (default 0).")

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from aeroservo.control.lqr import riccati
 from aeroservo.control.verify import explain_filter, riccati_residual
 from aeroservo.datatypes import Array
+from aeroservo.servo import Sensor
 
 SENSOR_NOISE = {
     "rad_s": math.radians(0.1),
@@ -125,18 +126,20 @@ def filter_residual(
     return riccati_residual(np.swapaxes(A, -1, -2), np.swapaxes(C, -1, -2), W, V, P, N=S, dt=dt)
 
 
-def sensor_deviations(outputs: Sequence[str]) -> Array:
-    """Standard deviations of sensors by the unit in their channel name.
+def sensor_deviations(outputs: Sequence[str], sensors: Sequence[Sensor] = ()) -> Array:
+    """Standard deviations of sensors: their own noise where they state it, else by the unit in their channel name.
 
     Parameters
     ----------
     outputs : sequence of str
         Channel names, with the unit as suffix.
+    sensors : sequence of Sensor
+        Those of the model.
 
     Returns
     -------
     deviations : ndarray, shape (n_y,)
-        Of `SENSOR_NOISE`. [SI]
+        Of the sensors or of `SENSOR_NOISE`. [SI]
 
     Raises
     ------
@@ -152,8 +155,12 @@ def sensor_deviations(outputs: Sequence[str]) -> Array:
     >>> sensor_deviations(("acc_te_m_s2",)).tolist()
     [0.1]
     """
+    own = {sensor.channel: sensor.noise for sensor in sensors if sensor.noise > 0.0}
     found = []
     for name in outputs:
+        if name in own:
+            found.append(own[name])
+            continue
         unit = next((u for u in SENSOR_NOISE if name == u or name.endswith(f"_{u}")), None)
         if unit is None:
             raise ValueError(f"the noise of {name!r} is not known by its unit: give V")

@@ -50,7 +50,7 @@ class LQG:
 
     Q: Array
     R: Array
-    gust: float = 1.0
+    gust: float = 0.1
     W: Array | None = None
     V: Array | None = None
     recovery: float = 0.0

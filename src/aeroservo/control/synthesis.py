@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from aeroservo.control.controller import Controller
 from aeroservo.control.design import Design, controls
 from aeroservo.control.disk_margins import DiskMargin, disk_margin
+from aeroservo.control.kalman import sensor_deviations
+from aeroservo.control.lqg import LQG
 from aeroservo.control.plant import design_plant, sampled_plant
 from aeroservo.control.schedule import command_limits
 from aeroservo.datatypes import AeroelasticModel, FlightCondition, LinearSystem
@@ -55,7 +57,8 @@ def synthesise(
     model : AeroelasticModel
         With rational air forces.
     design : callable
-        `LQR`, `LQI`, `LQG`, `PID`, `PolePlacement` with their options.
+        `LQR`, `LQI`, `LQG`, `PID`, `PolePlacement` with their options; an `LQG` without V takes the noise that the
+        model's sensors state.
     condition : FlightCondition
         Shape (), or (p,) with ascending dynamic pressure for a schedule.
     rate_Hz : float, optional
@@ -103,6 +106,8 @@ def synthesise(
         model, condition, rate_Hz=rate_Hz, delay_samples=delay_samples, actuators=actuators, sensors=sensors,
         gusts=True,
     )  # fmt: skip
+    if isinstance(design, LQG) and design.V is None:
+        design = replace(design, V=sensor_deviations(plant.outputs, model.sensors) ** 2)
     found = design(plant)
     if rate_Hz is None:
         limits = ()
