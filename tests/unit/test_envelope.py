@@ -18,8 +18,9 @@ from aeroservo.control.disk_margins import disk_margin
 from aeroservo.datatypes import FlightCondition
 from aeroservo.report.envelope_figure import envelope_figure
 from aeroservo.report.figures import as_bytes
-from aeroservo.studies.envelope import SIX_DB, EnvelopePoint, Validity, envelope, validity
+from aeroservo.studies.envelope import SIX_DB, EnvelopePoint, envelope
 from aeroservo.studies.gust_limit import PITCH, PLUNGE, GustSearch
+from aeroservo.studies.validity import Validity, validity
 
 SPEEDS = np.arange(5.0, 150.0, 1.0)
 DAMPER = Controller(

@@ -32,6 +32,9 @@ from aeroservo.cli.output import complain, heading, print_json, table, write_jso
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aeroservo.aeroelastic.flutter import Method as RootMethod
+    from aeroservo.aircraft.schema_base import FileModel
+    from aeroservo.control.controller import Controller as ControllerData
     from aeroservo.studies.envelope import EnvelopePoint
     from aeroservo.studies.gust_limit import GustSearch
 
@@ -121,22 +124,10 @@ def envelope(
     asked = study.SIX_DB if margin is None else margin
     journal = None if out is None else out.with_name(out.name + ".part")
     tell(notes)
-    done = 0
-
-    def progress(now: int, count: int) -> None:
-        nonlocal done
-        done = now
-        tell_progress(now, count, "altitudes")
-
-    try:
-        points = study.envelope(
-            file, heights, sweep.V.tolist(), method=chosen, controller=own, aero=aero.value if aero else None,
-            fit_bound=fit_bound, margin=asked, gusts=search, journal=journal, progress=progress,
-        )  # fmt: skip
-    except KeyboardInterrupt:
-        kept = f"kept in {journal}: the same command goes on from there" if journal else "nothing kept: give --out FILE"
-        complain(f"interrupted after {done} of {len(heights)} altitudes; {kept}")
-        raise typer.Exit(1) from None
+    points = _points(
+        file, heights, sweep.V.tolist(), journal, method=chosen, controller=own, aero=aero.value if aero else None,
+        fit_bound=fit_bound, margin=asked, gusts=search,
+    )  # fmt: skip
     criterion = _criterion(asked)
     warnings = [*notes, *dict.fromkeys(w for p in points for w in p.warnings)]
     tell(warnings[len(notes) :])
@@ -160,6 +151,40 @@ def envelope(
         print_json(content)
         return
     _print(content)
+
+
+def _points(
+    file: FileModel,
+    altitudes: list[float],
+    speeds: list[float],
+    journal: Path | None,
+    *,
+    method: RootMethod,
+    controller: ControllerData | None,
+    aero: str | None,
+    fit_bound: float,
+    margin: float,
+    gusts: GustSearch | None,
+) -> tuple[EnvelopePoint, ...]:
+    """The study, with progress on stderr; an interruption says what is kept."""
+    from aeroservo.studies import envelope as study
+
+    done = 0
+
+    def progress(now: int, count: int) -> None:
+        nonlocal done
+        done = now
+        tell_progress(now, count, "altitudes")
+
+    try:
+        return study.envelope(
+            file, altitudes, speeds, method=method, controller=controller, aero=aero, fit_bound=fit_bound,
+            margin=margin, gusts=gusts, journal=journal, progress=progress,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        kept = f"kept in {journal}: the same command goes on from there" if journal else "nothing kept: give --out FILE"
+        complain(f"interrupted after {done} of {len(altitudes)} altitudes; {kept}")
+        raise typer.Exit(1) from None
 
 
 def point_content(point: EnvelopePoint, criterion: str) -> dict[str, Any]:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from aeroservo.aeroelastic.flutter import FlutterResult
     from aeroservo.aeroelastic.flutter import Method as RootMethod
     from aeroservo.aircraft.schema_base import FileModel
+    from aeroservo.datatypes import AeroelasticModel, FlightCondition
 
 #: Word for air forces that a file brings itself.
 _OWN = {"pitch_plunge_flap": "derivatives"}
@@ -97,10 +98,6 @@ def flutter(
     ValueError
         For bad input.
     """
-    from aeroservo.aeroelastic.flutter import flutter as analyse
-    from aeroservo.control.closed_flutter import closed_flutter
-    from aeroservo.control.controller import read_controller
-
     checked_output(plot, PLOTS, "--plot")
     checked_output(out, (".json",), "--out")
     if controller is not None and (over or sensitivities or method not in (None, FlutterMethod.p)):
@@ -116,10 +113,7 @@ def flutter(
         head |= {"method": type(chosen).__name__.lower(), "aero": theory, "speeds_m_s": [low, high, step]}
         run_boundary(head, file, over, sweep, chosen, aero=aero, out=out, plot=plot, as_json=as_json)
         return
-    if controller is None:
-        found = analyse(built, sweep, chosen)
-    else:
-        found = closed_flutter(built, sweep, read_controller(controller), fit_bound=fit_bound)
+    found = _found(built, sweep, chosen, controller, fit_bound)
     notes += found.warnings
     if found.fit is not None:
         tell_fit(found.fit.error)
@@ -144,6 +138,19 @@ def flutter(
         _print_flutter(content)
         if sensitivities:
             print_sensitivities(content["sensitivities"])
+
+
+def _found(
+    model: AeroelasticModel, sweep: FlightCondition, method: RootMethod, controller: Path | None, fit_bound: float
+) -> FlutterResult:
+    """Flutter of the wing alone, or with the loop closed by a controller file."""
+    from aeroservo.aeroelastic.flutter import flutter as analyse
+    from aeroservo.control.closed_flutter import closed_flutter
+    from aeroservo.control.controller import read_controller
+
+    if controller is None:
+        return analyse(model, sweep, method)
+    return closed_flutter(model, sweep, read_controller(controller), fit_bound=fit_bound)
 
 
 def speeds_content(found: FlutterResult) -> dict[str, Any]:
