@@ -80,6 +80,21 @@ def test_lqg_of_bact_is_the_python_function_and_flies(cli: Cli, tmp_path: Path) 
     assert cli(*words, "--controller", file).json["bounded"] is True
 
 
+def test_an_autopilot_rate_loop_is_checked_for_what_it_does_to_the_wing(cli: Cli, tmp_path: Path) -> None:
+    """A user's PID with its filters, from its file: flutter with the loop closed, the same margin as the design says."""
+    file = tmp_path / "autopilot.json"
+    words = ("--method", "pid", "--sensors", "pitch_rate_rad_s", "--kp", "-0.4", "--rate", 200, "--delay-samples", 1,
+             "--filter", "lowpass:150", "--speed", 50, "--altitude", 3048)  # fmt: skip
+    found = cli("design", "thesis-simulation", *words, "--out", file, "--json").json
+    sweep = ("--altitude", 3048, "--speeds", "30:60:10", "--json")
+    alone = cli("flutter", "thesis-simulation", *sweep).json
+    assert alone["flutter_speed_m_s"] == pytest.approx(45.4, abs=0.1)
+    closed = cli("flutter", "thesis-simulation", *sweep, "--controller", file).json
+    assert closed["flutter_speed_m_s"] is None and found["disk_margin_alpha"] > 0.4
+    margins = cli("margins", "thesis-simulation", *sweep, "--controller", file).out
+    assert f"{found['disk_margin_alpha']:.8f}"[:9] in margins
+
+
 def test_a_schedule_is_a_list_of_designs(cli: Cli, tmp_path: Path) -> None:
     """Every value a list over its points; the file has them; the sentence says how stable it is between."""
     file = tmp_path / "schedule.json"
