@@ -27,9 +27,7 @@ from aeroservo.report.figures import (
     write_figure,
 )
 from aeroservo.report.style import style
-from aeroservo.report.thesis_figures import plot_fixed_k, plot_flutter_prediction, plot_response_against_speed
 from aeroservo.structure.modal import natural_modes
-from aeroservo.studies.thesis import ThesisStudy, thesis_study
 
 DRAWN = 1e-9  # a curve is drawn from the same floats that it is compared with
 
@@ -55,12 +53,6 @@ def calm() -> FlutterResult:
 def wing_static() -> StaticResult:
     """Divergence and reversal inside the range."""
     return static(build(read("thesis-binary")), sweep(2.0, 100.0, 1.0))
-
-
-@pytest.fixture(scope="module")
-def study() -> ThesisStudy:
-    """Coarse."""
-    return thesis_study(speeds=np.arange(10.0, 131.0, 10.0), k=np.geomspace(1e-3, 1.5, 13))
 
 
 def labels(figure: Figure) -> list[str]:
@@ -226,55 +218,6 @@ def test_modes(name: str, panels: int) -> None:
     assert overlaps(figure) == []
 
 
-def test_figure_26(study: ThesisStudy) -> None:
-    """Per cent, damping by the thesis' sign: 0 at flutter; effectiveness 0 at reversal; twist 100 at 0.95 V_D."""
-    run = study.run("binary", 3048.0, "quasi_steady_damped")
-    figure = plot_response_against_speed(run.static, run.flutter, title="Fig. 26")
-    lines = {str(line.get_label()).split(",")[0]: line for line in figure.axes[0].get_lines()}
-    V, twist = lines["twist"].get_data()
-    assert V[-1] == pytest.approx(0.95 * run.static.divergence.V)
-    assert twist[-1] == pytest.approx(100.0)
-    part = (V / run.static.divergence.V) ** 2  # one twist shape: proportional to q/(q_D - q)
-    np.testing.assert_allclose(twist, 100.0 * part / (1.0 - part) * (1.0 - 0.95**2) / 0.95**2, rtol=1e-6)
-    V, effectiveness = lines["roll effectiveness"].get_data()
-    known = np.isfinite(effectiveness)
-    q_over = (V[known] / run.static.reversal.V) ** 2  # [7.18]: 1 - q/q_R
-    np.testing.assert_allclose(effectiveness[known], 100.0 * (1.0 - q_over), atol=1e-6)
-    V, damping = lines["damping of torsion 1"].get_data()
-    past = int(np.searchsorted(V, run.flutter.flutter_speed))
-    assert np.all(damping[:past] < 0.0)
-    assert damping[past] > 0.0
-    assert "positive: flutter" in figure.axes[0].get_ylabel()
-    assert overlaps(figure) == []
-
-
-@pytest.mark.parametrize("model", ["binary", "aircraft"])
-def test_figures_27_and_28(study: ThesisStudy, model: str) -> None:
-    figure = plot_flutter_prediction(study, model, 3048.0)  # type: ignore[arg-type]
-    assert len(figure.axes) == 6
-    runs = [run for run in study.runs if (run.model, run.altitude) == (model, 3048.0)]
-    for ax, run in zip(figure.axes[:3], runs):
-        assert f"flutter at {run.flutter.flutter_speed:.2f} m/s" in ax.get_title()
-        assert upright(ax)["flutter"] == run.flutter.flutter_speed
-    assert not any(text[-3:] == "m/s" for text in labels(figure))  # numbers differ from panel to panel
-    assert overlaps(figure) == []
-
-
-def test_fixed_k_figure(study: ThesisStudy) -> None:
-    figure = plot_fixed_k(study)
-    assert [ax.get_title() for ax in figure.axes] == [
-        "binary, 0 m: the thesis prints 54 m/s",
-        "aircraft, 0 m: the thesis prints 40 m/s",
-        "binary, 3048 m: the thesis prints 60 m/s",
-        "aircraft, 3048 m: the thesis prints 46 m/s",
-    ]
-    assert all(ax.get_xscale() == "log" and ax.get_ylabel() == "flutter speed, m/s" for ax in figure.axes)
-    own = [line for line in figure.axes[0].get_lines() if "consistent k" in str(line.get_label())]
-    wanted = [(h.own_k, h.own_speed) for h in study.held if (h.model, h.altitude) == ("binary", 0.0)]
-    assert [(line.get_xdata()[0], line.get_ydata()[0]) for line in own] == wanted
-    assert overlaps(figure) == []
-
-
 def bars() -> Figure:
     """A figure that is quick to draw."""
     modes = build(read("nasa-typical-section")).modes
@@ -310,7 +253,7 @@ def test_no_two_curves_look_alike() -> None:
 def test_no_screen_is_needed() -> None:
     """Neither pyplot nor a backend with windows is loaded."""
     code = (
-        "import sys; from aeroservo.report import figures, thesis_figures; "
+        "import sys; from aeroservo.report import figures, thesis_drawings; "
         "print('matplotlib.pyplot' in sys.modules, 'matplotlib' in sys.modules)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)

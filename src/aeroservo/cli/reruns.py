@@ -1,8 +1,7 @@
-"""Commands that re-run what is published: `validate`, `demo`."""
+"""The command that re-runs the published cases: `validate`."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,7 +10,6 @@ from aeroservo.cli.options import Json
 from aeroservo.cli.output import complain, heading, print_json, table
 
 Case = Annotated[str | None, typer.Argument(metavar="[CASE]", help="One case; all if left out.")]
-Folder = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where figures, results and page go.")]
 
 
 def validate(case: Case = None, *, as_json: Json = False) -> None:
@@ -60,34 +58,3 @@ def validate(case: Case = None, *, as_json: Json = False) -> None:
     if failed:
         complain(f"{len(failed)} of {len(checks)} checks fail")
         raise typer.Exit(1)
-
-
-def demo(*, out: Folder = Path("aeroservo-demo"), as_json: Json = False) -> None:
-    """Print the thesis' tables beside ours; write figures, results and a page that shows them.
-
-    Parameters
-    ----------
-    out : Path
-        Folder, made if it is not there.
-    as_json : bool
-        As JSON, in place of the tables.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be used.
-    """
-    from aeroservo.report.demo import demo as rerun
-    from aeroservo.report.demo import study_json
-
-    study, page = rerun(out, progress=complain)
-    if as_json:
-        print_json(study_json(study) | {"page": str(page.resolve())})
-        return
-    from rich.console import Console
-
-    from aeroservo.report.thesis_text import print_tables
-
-    console = Console(highlight=False)
-    print_tables(study, console)
-    typer.echo(f"\nTables, figures and results are in one page; open\n{page.resolve()}")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from typing import Literal
 
 from aeroservo.report.blocks import Block, Chart, Facts, Mark, Part, Picture, Prose, Series, Table
 from aeroservo.report.style import as_bytes
 from aeroservo.report.surfaces import surface_figure
 from aeroservo.studies.thesis_records import Entry, Plot
-from aeroservo.studies.thesis_study import COLUMNS, Cell, ThesisBook
+from aeroservo.studies.thesis_study import COLUMNS, ThesisBook
 
-MARKS = ("flutter", "divergence", "reversal")
+MARKS: tuple[Literal["flutter", "divergence", "reversal"], ...] = ("flutter", "divergence", "reversal")
 
 
 def thesis_parts(book: ThesisBook, *, pictures: bool = True) -> tuple[Part, ...]:
@@ -46,8 +47,10 @@ def _summary(book: ThesisBook) -> Part:
         anchor="thesis-tables",
         blocks=(
             Prose(
-                text="Chapters 8 and 9 of N. B. Bramstång's thesis (2015), computed again from the preset files alone. The "
-                "thesis does not print the inputs of its models; they were inferred from Tables 1 to 3, and the notes say which "
+                text="Chapters 8 and 9 of N. B. Bramstång's thesis (2015), computed again from the preset files "
+                "alone. The "
+                "thesis does not print the inputs of its models; they were inferred from Tables 1 to 3, and the "
+                "notes say which "
                 "numbers agree by construction. The sounder method stands beside each number."
             ),
             Facts(
@@ -220,29 +223,12 @@ def chart(plot: Plot) -> Chart:
         y_label=plot.y_label,
         series=tuple(Series(name=c.name, x=c.x, y=c.y, kind="points" if c.points else "line") for c in plot.curves),
         marks=tuple(
-            Mark(at=at, text=text, kind=next((kind for kind in MARKS if kind in text), "limit"))  # type: ignore[arg-type]
+            Mark(at=at, text=text, kind=next((kind for kind in MARKS if kind in text), "limit"))
             for at, text in plot.marks
             if at == at
         ),
+        x_range=plot.x_range,
         y_range=plot.y_range,
         equal=plot.equal,
         hover="point" if plot.equal or any(c.points for c in plot.curves) else "x",
     )
-
-
-def cells_of(book: ThesisBook, table: int) -> tuple[Cell, ...]:
-    """The cells of one table.
-
-    Parameters
-    ----------
-    book : ThesisBook
-        Of `thesis_book`.
-    table : int
-        2 or 3.
-
-    Returns
-    -------
-    cells : tuple of Cell
-        In its order.
-    """
-    return tuple(cell for cell in book.cells if cell.table == table)

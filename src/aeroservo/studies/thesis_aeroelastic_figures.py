@@ -6,7 +6,7 @@ import numpy as np
 
 from aeroservo.aeroelastic.flutter import FlutterResult
 from aeroservo.datatypes import FlightCondition
-from aeroservo.studies.thesis import ALTITUDES, MODELS, Column, Model, Run
+from aeroservo.studies.thesis import ALTITUDES, MODELS, Column, Held, Model, Run
 from aeroservo.studies.thesis_aeroelastic import HIGH, SURFACES, SWEEPS, Aeroelastic
 from aeroservo.studies.thesis_fixed_k import common_ranges
 from aeroservo.studies.thesis_records import Compared, Curve, Entry, Plot, number
@@ -107,7 +107,7 @@ def _figure_15(a: Aeroelastic) -> Entry:
         plots=(
             Plot(
                 title="Growth of the roots, binary wing, 10,000 ft", x_label="true airspeed, m/s",
-                y_label="Re lambda, 1/s (positive: unstable)", curves=curves,
+                y_label="growth, 1/s (positive: unstable)", curves=curves,
                 marks=((found.flutter_speed or np.nan, "flutter"),),
             ),
         ),
@@ -261,7 +261,7 @@ def _sweep_plots(run: Run, words: str) -> list[Plot]:
     return [
         Plot(title=f"{words}: frequency", x_label=label, y_label="Hz", curves=tuple(frequency), marks=marks),
         Plot(
-            title=f"{words}: damping", x_label=label, y_label="100 Re lambda/|lambda|, % (positive: flutter)",
+            title=f"{words}: damping", x_label=label, y_label="damping, % (positive: flutter)",
             curves=tuple(damping), marks=marks,
         ),
     ]  # fmt: skip
@@ -297,12 +297,16 @@ def _figure_30(a: Aeroelastic) -> Entry:
     """Damping over speed and pitch stiffness."""
     surface = a.surfaces[SURFACES[1]]
     K, V = np.array(surface.over.values), surface.flutter_speed
+    least = surface.damping_ratio[..., 0]
+    pockets = K[[bool(np.any(row[surface.V > first] > 0.0)) for row, first in zip(least, V + 2.0)]]
+    pocket = f" Up to {pockets[-1]:.0f} N m it is stable again between two ranges of flutter." if pockets.size else ""
     return Entry(
         number="Fig. 30",
         title="Damping over speed and pitch stiffness",
         thesis="The flutter speed depends on the stiffness in torsion.",
         finding=f"From {V[0]:.1f} m/s at {K[0]:.0f} N m to {V[-1]:.1f} m/s at {K[-1]:.0f} N m, "
-        + ("rising all the way." if np.all(np.diff(V) > 0.0) else "not rising all the way."),
+        + ("rising all the way." if np.all(np.diff(V) > 0.0) else "not rising all the way.")
+        + pocket,
         plots=(
             Plot(
                 title="Flutter boundary, whole aircraft, quasi-steady, 10,000 ft", x_label="pitch stiffness, N m",
@@ -333,19 +337,19 @@ def _held(a: Aeroelastic) -> Entry:
                 )
                 for h in mine
             ]  # fmt: skip
-            curves = [
-                Curve(name=f"slope {h.slope}", x=np.log10(h.curve.k), y=np.array(h.curve.flutter_speed)) for h in mine
-            ]
+            curves = [_broken(h) for h in mine]
             points = [
                 Curve(name=f"p-k, {h.slope}", x=[np.log10(h.own_k)], y=[h.own_speed], points=True)
                 for h in mine
                 if h.own_k is not None
             ]
+            ends = np.log10(mine[0].curve.k[[0, -1]])
+            printed = Curve(name="printed", x=ends, y=[mine[0].printed] * 2)
             plots.append(
                 Plot(
                     title=f"{LONG[model]}, {where}: the thesis prints {mine[0].printed} m/s",
                     x_label="log10 of the held reduced frequency", y_label="flutter, m/s",
-                    curves=(*curves, *points, Curve(name="printed", x=curves[0].x[[0, -1]], y=[mine[0].printed] * 2)),
+                    curves=(*curves, *points, printed),
                 )
             )  # fmt: skip
     return Entry(
@@ -359,3 +363,10 @@ def _held(a: Aeroelastic) -> Entry:
         "do they "
         "describe it; there they agree with p-k. At any other k the speed is that of a motion which does not occur.",
     )
+
+
+def _broken(held: Held) -> Curve:
+    """Flutter speed over log k, with gaps where the curve changes to another branch."""
+    jumps = np.flatnonzero(~held.curve.joined) + 1
+    k, V = (np.insert(values, jumps, np.nan) for values in (np.log10(held.curve.k), held.curve.flutter_speed))
+    return Curve(name=f"slope {held.slope}", x=k, y=V)

@@ -146,7 +146,7 @@ def _figure_3(design: Design) -> Entry:
     """What the tailplane's place costs, with the elevon in it."""
     margin, share = _elevon_share(design)
     good = np.isfinite(share)
-    zero = float(np.interp(0.0, share[good], -margin[good]))
+    zero = float(np.interp(0.0, share[good][::-1], margin[good][::-1]))
     at = {m: float(np.interp(m, margin[good], share[good])) for m in (0.1, -0.05)}
     return Entry(
         number="Fig. 3",
@@ -156,7 +156,7 @@ def _figure_3(design: Design) -> Entry:
         "away "
         f"{-100 * at[0.1]:.0f} % of the weight in lift, with the centre of gravity 5 % behind the neutral point it "
         "adds "
-        f"{100 * at[-0.05]:.0f} %; it carries nothing at a static margin of {-100 * zero:.1f} %.",
+        f"{100 * at[-0.05]:.0f} %; it carries nothing at a static margin of {100 * zero:.1f} %.",
         plots=(
             Plot(
                 title=f"Lift of the elevon in trim, CL {CRUISE_CL:g}", x_label="static margin, % of the mean chord",
@@ -325,9 +325,9 @@ def _wing_figure(design: Design, kind: str, *, viscous: bool) -> Entry:
     polars = design.polars[kind]
     degrees = np.degrees(design.alpha)
     quantities = (
-        ("drag coefficient CD", lambda p: p.CD if viscous else p.CD_induced, None),
-        ("lift coefficient CL", lambda p: p.CL, None),
-        ("moment coefficient CM about the reference point", lambda p: p.CM_viscous if viscous else p.CM, None),
+        ("CD", lambda p: p.CD if viscous else p.CD_induced, None),
+        ("CL", lambda p: p.CL, None),
+        ("CM about the reference point", lambda p: p.CM_viscous if viscous else p.CM, None),
         ("L/D", lambda p: p.lift_to_drag if viscous else p.lift_to_drag_inviscid, (-30.0, 30.0 if viscous else 100.0)),
     )
     plots = tuple(
@@ -358,7 +358,7 @@ def _wing_figure(design: Design, kind: str, *, viscous: bool) -> Entry:
         title=f"Wing polars, {kind}, {air}",
         thesis="CD, CL, CM and L/D against incidence for flap settings, by XFLR5.",
         finding=finding
-        + f" Elevon lift {design.slope(kind):.3f}/rad. Strips that ask more of their section than its polar has end a "
-        "curve.",
+        + f" Elevon lift {design.slope(kind):.3f}/rad."
+        + (" Strips that ask more of their section than its polar has end a curve." if viscous else ""),
         plots=plots,
     )

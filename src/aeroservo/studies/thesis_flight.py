@@ -101,7 +101,7 @@ class Flight:
         Of the switch.
     poles : complex ndarray, shape (4,)
         Of the closed loop of Figure 40. [1/s]
-    zeros : dict of str to ndarray
+    zeros : dict of str to complex ndarray, shape (n,)
         From the elevon to plunge and pitch there. [1/s]
     zero_curves : tuple of ZeroCurve
         To plunge, pitch and pitch rate against speed.

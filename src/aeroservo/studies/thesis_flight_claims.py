@@ -8,8 +8,8 @@ from aeroservo.datatypes import FlightCondition
 from aeroservo.studies.thesis import MODELS
 from aeroservo.studies.thesis_aeroelastic import Aeroelastic
 from aeroservo.studies.thesis_flight import Flight
-from aeroservo.studies.thesis_flight_figures import peak, sign_changes
-from aeroservo.studies.thesis_gains import DESIGN_SPEED, HIGH, SWITCH_SPEED
+from aeroservo.studies.thesis_flight_figures import peak
+from aeroservo.studies.thesis_gains import DESIGN_SPEED, HIGH, SWITCH_SPEED, sign_changes
 from aeroservo.studies.thesis_records import Claim, verdict
 
 
@@ -124,7 +124,7 @@ def _reversal_ends_lqr(f: Flight, a: Aeroelastic) -> Claim:
 def _reversed_outputs(f: Flight) -> Claim:
     i = [_at(f, V) for V in (60.0, 80.0, 98.5, 120.0)]
     flipped = [f.growth[name][i] for name in ("that gain reversed", "designed here, reversed")]
-    changed, crossing = sign_changes(f)
+    changed, crossing = sign_changes(f.V, f.gains)
     where = ", ".join(f"{name} at {V:.1f} m/s" for name, V in crossing.items())
     return Claim(
         section="9.4.6, 9.4.7",

@@ -6,7 +6,16 @@ import numpy as np
 
 from aeroservo.simulate.engine import Simulation
 from aeroservo.studies.thesis_flight import GUST, TURBULENCE, Climbed, Flight
-from aeroservo.studies.thesis_gains import DESIGN_SPEED, HIGH, PITCH_LIMIT, PLUNGE_LIMIT, SWITCH_SPEED
+from aeroservo.studies.thesis_gains import (
+    BELOW,
+    DESIGN_SPEED,
+    GAINS,
+    HIGH,
+    PITCH_LIMIT,
+    PLUNGE_LIMIT,
+    SWITCH_SPEED,
+    sign_changes,
+)
 from aeroservo.studies.thesis_records import Compared, Curve, Entry, Plot
 
 CHANNELS = (
@@ -16,9 +25,7 @@ CHANNELS = (
 )
 MOST = 1200
 """Points of a curve of time."""
-GAINS = ("h", "theta", "h'", "theta'")
-BELOW = 40.0
-"""Speeds from here on are looked at for changes of sign: below, the gains are small. [m/s]"""
+WORDS = {"plunge_m": "to plunge", "pitch_rad": "to pitch", "pitch_rate_rad_s": "to pitch rate"}
 INPUTS = "The thesis prints no inputs of its simulation: ours are pinned (preset thesis-simulation)."
 ACTUATOR = (
     "The thesis' loop has no actuator, no sampling and no delay. With a servo of 60 rad/s, 200 Hz and one sample of "
@@ -101,27 +108,6 @@ def peak(run: Simulation, channel: str) -> float:
 
 def _degrees(run: Simulation, channel: str) -> float:
     return float(np.degrees(peak(run, channel)))
-
-
-def sign_changes(f: Flight) -> tuple[list[bool], dict[str, float]]:
-    """Which of the LQR gains designed at each speed change their sign on the way up, and where.
-
-    Parameters
-    ----------
-    f : Flight
-        Of `thesis_flight`.
-
-    Returns
-    -------
-    changed, where : list of bool, dict of str to float
-        For h, theta, h', theta'; the speed of the last change. [m/s]
-    """
-    V, K = f.V[f.V >= BELOW], f.gains[f.V >= BELOW]
-    turns = np.sign(K[1:]) != np.sign(K[:-1])
-    changed = [bool(x) for x in turns.any(axis=0)]
-    return changed, {
-        name: float(V[1:][turns[:, j]][-1]) for j, (name, moved) in enumerate(zip(GAINS, changed)) if moved
-    }
 
 
 def _figure_33(f: Flight) -> Entry:
@@ -293,7 +279,7 @@ def _figure_38(f: Flight) -> Entry:
     run = f.runs["manual"]
     here = {V: f.gains[int(np.argmin(np.abs(f.V - V)))] for V in (DESIGN_SPEED, f.speed["manual"])}
     slow, fast = here.values()
-    changed, crossing = sign_changes(f)
+    changed, crossing = sign_changes(f.V, f.gains)
     kept = [name for name, moved in zip(GAINS, changed) if not moved]
     through = "; ".join(f"that of {name} passes smoothly through zero at {V:.1f} m/s" for name, V in crossing.items())
     i = int(np.argmin(np.abs(f.V - f.speed["manual"])))
@@ -370,13 +356,17 @@ def _figure_40(f: Flight) -> Entry:
     curves = [Curve(name="poles, closed loop", x=f.poles.real, y=f.poles.imag, points=True)]
     curves += [Curve(name=f"zeros to {name}", x=z.real, y=z.imag, points=True) for name, z in f.zeros.items()]
     plunge = next(z for z in f.zero_curves if "plunge" in z.sensor)
-    moving = tuple(Curve(name=f"elevon to {z.sensor}", x=z.V, y=np.nanmax(z.zeros.real, axis=1)) for z in f.zero_curves)
+    moving = tuple(
+        Curve(name=WORDS.get(z.sensor, z.sensor), x=z.V, y=np.nanmax(z.zeros.real, axis=1)) for z in f.zero_curves
+    )
     words = ", ".join(f"{V:.2f} m/s" for V in plunge.crossings) or "no speed"
     return Entry(
         number="Fig. 40",
         title="Poles and zeros at Mach 0.15 with LQR",
         thesis="All poles lie in the stable region.",
-        finding=f"At {f.speed['poles']:.2f} m/s all four do, the slowest at {f.poles.real.max():.2f} 1/s. What "
+        finding=f"At {f.speed['poles']:.2f} m/s all four do, the slowest at {f.poles.real.max():.2f} and the fastest "
+        "at "
+        f"{f.poles.real.min():.1f} 1/s. What "
         "reversal changes are zeros: "
         f"one of plunge crosses into the right half plane at {words}; those of pitch and of pitch rate stay on the "
         "left "
@@ -388,7 +378,8 @@ def _figure_40(f: Flight) -> Entry:
         ),
         plots=(
             Plot(
-                title="Poles and zeros", x_label="Re, 1/s (positive: unstable)", y_label="Im, rad/s",
+                title="Poles and zeros", x_label="Re, 1/s (positive: unstable)",
+                x_range=(-25.0, 5.0), y_label="Im, rad/s",
                 curves=tuple(curves), marks=((0.0, "border of stability"),),
             ),
             Plot(

@@ -34,6 +34,9 @@ STATES = ("plunge_m", "pitch_rad", "plunge_rate_m_s", "pitch_rate_rad_s")
 SERVO = Actuator(
     control="elevon", omega=60.0, zeta=0.7, limit=math.radians(20.0), rate_limit=math.radians(400.0)
 )  # fmt: skip
+GAINS = ("h", "theta", "h'", "theta'")
+BELOW = 40.0
+"""Speeds from here on are looked at for changes of sign: below, the gains are small. [m/s]"""
 RATE = 200.0
 """Of the sampled controllers. [Hz]"""
 LQR_THESIS = LQR(Q=np.ones(4), R=np.ones(1))
@@ -288,4 +291,27 @@ def poles_and_zeros(model: AeroelasticModel, gain: Array, V: float) -> tuple[Arr
     names = {"plunge": "plunge_m", "pitch": "pitch_rad"}
     return poles, {
         word: transmission_zeros(plant, input=plant.inputs[0], output=channel) for word, channel in names.items()
+    }
+
+
+def sign_changes(V: Array, gains: Array) -> tuple[list[bool], dict[str, float]]:
+    """Which of the LQR gains designed at each speed change their sign on the way up, and where.
+
+    Parameters
+    ----------
+    V : ndarray, shape (n,)
+        True airspeeds. [m/s]
+    gains : ndarray, shape (n, 4)
+        At each of them. [SI]
+
+    Returns
+    -------
+    changed, where : list of bool, dict of str to float
+        For h, theta, h', theta'; the speed of the last change. [m/s]
+    """
+    V, K = V[V >= BELOW], gains[V >= BELOW]
+    turns = np.sign(K[1:]) != np.sign(K[:-1])
+    changed = [bool(x) for x in turns.any(axis=0)]
+    return changed, {
+        name: float(V[1:][turns[:, j]][-1]) for j, (name, moved) in enumerate(zip(GAINS, changed)) if moved
     }

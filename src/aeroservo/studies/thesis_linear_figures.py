@@ -8,6 +8,8 @@ from aeroservo.datatypes import Array
 from aeroservo.studies.thesis_linear import GAIN, Appendix, free_response
 from aeroservo.studies.thesis_records import Claim, Compared, Curve, Entry, Plot, verdict
 
+SHOWN = 10.0
+"""Of the growing motion. [s]"""
 KINDS = (
     ("real, negative", -1.0, 0.0),
     ("real, zero", 0.0, 0.0),
@@ -163,7 +165,7 @@ def _figure_31(a: Appendix) -> Entry:
         "static stability.",
         finding=f"Root {_text(root)}: a period of {2 * np.pi / root.imag:.2f} s, doubling every "
         f"{np.log(2) / root.real:.2f} s.",
-        plots=_states(a.t, a.free, "1 degree of pitch, no control"),
+        plots=_states(a.t[a.t <= SHOWN], a.free[a.t <= SHOWN], "1 degree of pitch, no control"),
         unsound=f"The first columns of A and B are parallel, ratio {a.ratio:.3f}: the model 'without control' "
         "already holds a "
         "loop from a pitch lag to the elevon, and that loop makes the oscillation. Without it the plant has one real "

@@ -60,6 +60,11 @@ def thesis_misprints(appendix: Appendix, a: Aeroelastic) -> tuple[Misprint, ...]
     ----------
     equations.md, errata.
     """
+    return (*_of_theory(), *_of_aeroelasticity(appendix, a))
+
+
+def _of_theory() -> tuple[Misprint, ...]:
+    """Those of chapters 2 to 6."""
     return (
         Misprint(
             where="Table 1",
@@ -92,6 +97,12 @@ def thesis_misprints(appendix: Appendix, a: Aeroelastic) -> tuple[Misprint, ...]
             right="u = -K x, as in 6.8",
             effect="the loop with the sign reversed grows (Fig. 38)",
         ),
+    )
+
+
+def _of_aeroelasticity(appendix: Appendix, a: Aeroelastic) -> tuple[Misprint, ...]:
+    """Those of chapter 7 and of the appendix."""
+    return (
         Misprint(
             where="7.11",
             printed="swept divergence with a wrong sign and without a factor s",

@@ -58,8 +58,8 @@ class Plot:
         In the order of the legend.
     marks : tuple of (float, str)
         Upright lines at values of x, with their names. [axis]
-    y_range : (float, float), optional
-        Of the vertical axis. [axis]
+    x_range, y_range : (float, float), optional
+        Of the axes. [axis]
     equal : bool
         One unit is as long on both axes.
     """
@@ -69,6 +69,7 @@ class Plot:
     y_label: str
     curves: tuple[Curve, ...]
     marks: tuple[tuple[float, str], ...] = ()
+    x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     equal: bool = False
 

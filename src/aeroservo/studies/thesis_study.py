@@ -298,6 +298,7 @@ def _simulated(a: Aeroelastic, f: Flight, altitude: float, column: str, quantity
         return printed, f.lost[altitude], schedule, method, reason
     reached = np.array(f.climbs["switch"].reached)
     if quantity == "flutter":
-        ours = f"{np.median(reached):.0f} (climbs: {reached.min():.0f} to {reached.max():.0f})"
-        return printed, ours, schedule, "frozen loops, servo inside", "a switch at 50 m/s with a second gain of our own"
+        climbs = f"climbs reach {reached.min():.1f} to {reached.max():.1f}"
+        reason = f"a switch at 50 m/s, the second gain our own: {climbs}, their median stands here"
+        return printed, float(np.median(reached)), schedule, "frozen loops, servo inside", reason
     return printed, V_D, V_D, "the wing without control", "CM_alpha calibrated to it"
