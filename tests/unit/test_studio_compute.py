@@ -168,7 +168,8 @@ def test_controllers_come_from_files_and_models_without_controls_have_none(tmp_p
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("speed", 0.0), ("speed", float("nan")), ("duration", 1e9), ("gust", 1e9), ("length", 0.0), ("seed", -1), ("altitude", 1e6)],
+    [("speed", 0.0), ("speed", float("nan")), ("duration", 1e9), ("gust", 1e9), ("length", 0.0), ("seed", -1),
+     ("altitude", 1e6)],
 )  # fmt: skip
 def test_flights_out_of_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=f"^{name} must be from"):

@@ -24,9 +24,22 @@ class _Box:
     """A value on the page."""
 
     entry: Entry
+    place: Element
     input: Any
-    error: ui.label
-    changed: ui.label
+    error: ui.label | None = None
+    changed: ui.label | None = None
+
+    def say(self, error: str, changed: str) -> None:
+        """An error, and what the file has instead; labels are made when there is something to say."""
+        self.input.props["error"] = bool(error)
+        with self.place:
+            if error and self.error is None:
+                self.error = _message()
+            if changed and self.changed is None:
+                self.changed = ui.label().classes("ae-before")
+        for label, text in ((self.error, error), (self.changed, changed)):
+            if label is not None:
+                _say(label, text)
 
 
 class FormView:
@@ -71,8 +84,6 @@ class FormView:
                 words.setdefault(place, []).append(finding.message)
         for place, box in self._boxes.items():
             said = "; ".join(words.get(place, ()))
-            _say(box.error, said)
-            box.input.props["error"] = bool(said)
             value = held(self._file, place)
             now = held(self.draft, place)
             old = (
@@ -80,7 +91,7 @@ class FormView:
                 if now == value
                 else "file: " + (shown(box.entry.kind, value).replace("\n", "; ")[:60] or "not given")
             )
-            _say(box.changed, old)
+            box.say(said, old)
         for place, banner in self._banners.items():
             _say(banner, "; ".join(words.get(place, ())))
 
@@ -202,7 +213,11 @@ class FormView:
                     old = held(draft, (*place, i, entry.name))
                     if isinstance(old, int | float) and not isinstance(old, bool):
                         draft = put(draft, (*place, i, entry.name), float(f"{old * by:.12g}"))
-                self._new(draft, rebuild=True)
+                self._new(draft, rebuild=False)
+                for i in range(rows):
+                    here = (*place, i, entry.name)
+                    if here in self._boxes:
+                        self._boxes[here].input.value = shown(entry.kind, held(draft, here))
 
             ui.button("Multiply", on_click=apply).props("dense no-caps")
         button.on("click", menu.open)
@@ -217,7 +232,7 @@ class FormView:
     def _widget(self, entry: Entry, place: Place, *, narrow: bool) -> None:
         """The input of a value with its error and the file's value."""
         value = held(self.draft, place)
-        with ui.element("div").classes("ae-value"):
+        with ui.element("div").classes("ae-value") as around:
             field: Any
             if entry.kind == "choice":
                 options = list(entry.choices)
@@ -240,10 +255,7 @@ class FormView:
             if not narrow:
                 with field:
                     ui.tooltip(_meaning(entry)).props("delay=600")
-            error = _message()
-            changed = ui.label().classes("ae-before")
-            changed.visible = False
-        self._boxes[place] = _Box(entry=entry, input=field, error=error, changed=changed)
+        self._boxes[place] = _Box(entry=entry, place=around, input=field)
         field.on_value_change(lambda event: self._edited(entry, place, event.value))
 
     def _edited(self, entry: Entry, place: Place, value: Any) -> None:

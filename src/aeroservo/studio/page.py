@@ -194,7 +194,7 @@ class _Tab:
         self._again.visible = session.state in ("died", "cancelled")
         self._bar.value = session.part
         words = {"wrong": "Not computed: ", "refused": "Cannot be computed: ", "died": "The computation crashed: "}
-        done = "Up to date." if session.now is not None else ""
+        done = "computing" if busy else "Up to date."
         self._says.text = f"{words.get(session.state, '')}{session.says or done}"
         self._says.classes(add="ae-bad" if stale else "", remove="" if stale else "ae-bad")
         if session.state == "done":

@@ -60,12 +60,14 @@ class Worker:
             if sys.platform == "win32"
             else {"start_new_session": True}
         )  # Ctrl-C is for the studio, which closes the pipes
-        worker = cls(
-            await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "aeroservo.studio.worker", *(["fly"] * fly), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                env={**os.environ, **single}, **apart,
-            )
-        )  # fmt: skip
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "aeroservo.studio.worker", *(["fly"] * fly)),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, **single},
+            **apart,
+        )
+        worker = cls(process)
         await anext(worker.messages())
         return worker
 
