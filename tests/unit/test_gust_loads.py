@@ -150,16 +150,16 @@ def test_bact_below_flutter_in_simulated_turbulence() -> None:
 
 
 def test_ten_cs25_gradients_on_twenty_modes_in_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Goland's wing in twenty modes, 100 m/s: a tenth of a second; each number as from a call of its own."""
+    """Goland's wing in twenty modes, 100 m/s: 0.6 s of one core; each number as from a call of its own."""
     monkeypatch.setattr(build_beam, "BEAM_MODES", 20)
     model, loads = with_loads(read("goland"))
     assert model.modes.n == 20
     plant = gust_plant(model, FlightCondition.at(0.0, V=100.0), loads=loads)
     H, velocity = cs25_gradients(10), design_velocity("cs25", altitude=0.0, density=1.225)
-    start = time.perf_counter()
+    start = time.process_time()
     together = gust_loads(plant, gradients=H, velocity=velocity, bounds=None)
-    elapsed = time.perf_counter() - start
-    assert elapsed < 20.0  # 0.6 s on an idle core; other work may share this one
+    elapsed = time.process_time() - start
+    assert elapsed < 10.0  # of this process: 0.6 s; a wide margin for other machines
     assert together.peak.shape == (10, len(plant.outputs)) and np.all(np.isfinite(together.peak))
     root = plant.outputs.index("root_bending_N_m")
     for i in (0, 4, 9):

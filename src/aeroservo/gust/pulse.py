@@ -189,18 +189,17 @@ def _lift(step: tuple[Array, Array], C: Array, D: Array, D_rate: Array, count: i
     """Many steps as one: outputs from state, gusts and their rates at half steps; the state at the end likewise."""
     Phi, drive = step
     n, m = drive.shape[1:]
-    power, L = np.eye(n), np.zeros((n, 2 * count + 1, m))
+    power, L = np.eye(n), np.zeros((n, (2 * count + 1) * m))
     Y_x, Y_w = [], []
     for k in range(count):
         Y_x.append(C @ power)
-        now = np.einsum("yn,nkm->ykm", C, L)
-        now[:, 2 * k] += D
+        now = C @ L
+        now[:, 2 * k * m : (2 * k + 1) * m] += D
         Y_w.append(now)
-        power, L = Phi @ power, np.einsum("ij,jkm->ikm", Phi, L)
+        power, L = Phi @ power, Phi @ L
         for i in range(3):
-            L[:, 2 * k + i] += drive[i]
-    flat = np.stack(Y_w).reshape(count * C.shape[0], -1)
-    return np.concatenate(Y_x), flat, D_rate, power, L.reshape(n, -1)
+            L[:, (2 * k + i) * m : (2 * k + i + 1) * m] += drive[i]
+    return np.concatenate(Y_x), np.concatenate(Y_w), D_rate, power, L
 
 
 def _advance(

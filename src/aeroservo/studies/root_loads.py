@@ -43,8 +43,8 @@ class LoadRows:
         Per unit of the coordinates. [unit of the load per unit of the coordinate]
     inertia : ndarray, shape (n_loads, n)
         Per unit of their accelerations. [SI]
-    air : RationalAero, optional
-        Rows of air forces with the inputs and lags of the model's own; its A0, A1, A2 and lag_D have n_loads rows.
+    air : AirRows, optional
+        Air forces with the inputs and lags of the model's own.
     fit_error : float
         Error of the rational fit of the model's air forces, part of the largest |Q| of a column; 0 without fit. [-]
     """
