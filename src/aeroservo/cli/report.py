@@ -77,8 +77,6 @@ def report(
     )
     case = report_case(model, options)
     path = out if out is not None else Path(f"{file_name(case.file.name)}.html")
-    if not path.parent.is_dir():
-        raise ValueError(f"{path}: there is no folder {path.parent}")
     parts = report_parts(case, folder=None if fresh else cache_folder() / "reports", progress=complain)
     made = provenance_of(case, source=model, text=_source(model), command=_command(model, path, options))
     lead = f"{case.file.kind.replace('_', ' ')}, {options.altitude:g} m"

@@ -20,6 +20,10 @@ Array = NDArray[Any]
 ANCHOR = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 
 
+#: Beyond this a number is a run that ran away.
+LARGEST = 1e150
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prose:
     """Plain text; an empty line begins a new paragraph.
@@ -106,14 +110,14 @@ class Series:
     along_label: str = ""
 
     def __post_init__(self) -> None:
-        """Flat arrays of one length; what is not finite is nan."""
+        """Flat arrays of one length; what is not finite, or has no place in any drawing, is nan."""
         n = None
         for name in ("x", "y", "along"):
             value = getattr(self, name)
             if value is None:
                 continue
             array = np.array(value, dtype=float).ravel()
-            array[~np.isfinite(array)] = np.nan
+            array[~(np.abs(array) < LARGEST)] = np.nan
             array.flags.writeable = False
             n = len(array) if n is None else n
             if len(array) != n:

@@ -19,12 +19,13 @@ from aeroservo.report.lattice3d import Lattice3D, lattice3d
 from aeroservo.report.live import live_data
 from aeroservo.report.part_tools import bands, marks, range_of, thinned, words
 from aeroservo.report.scene import history_data, scene_data
+from aeroservo.structure.modal import tip_motion
 from aeroservo.studies.aircraft_report import GUST_ANGLE, ReportCase, Run
 
 Array = NDArray[Any]
 
 #: Speeds at which the loop is closed and its margins are taken.
-MARGIN_SPEEDS = 25
+MARGIN_SPEEDS = 17
 #: Disk margin that holds 45 degrees of phase. [-]
 SIX_DB = 2.0 * math.tan(math.pi / 8.0)
 #: Samples of a channel that a chart draws.
@@ -81,11 +82,11 @@ def _words(case: ReportCase) -> str:
     family = case.family
     names = ", ".join(name.removesuffix("_rad").replace("_", " ") for name in family.inputs[: family.controls])
     return (
-        f"A linear-quadratic regulator, sampled at {case.rate:g} Hz, moves {names}. It weighs the energy of the motion: "
+        f"A linear-quadratic regulator, sampled at {case.rate:g} Hz, moves {names}. It weighs the motion's energy: "
         "the first mode at a tip deflection of 2 % of the span is worth 10° of control. Its gains are designed at "
-        f"{len(family.pressures)} dynamic pressures and blended between them. It takes every state as measured, lags of the "
-        "air included: the best that feedback can do, not yet a flight controller; `aeroservo design` makes those, and "
-        "`aeroservo report --controller FILE` reports on them."
+        f"{len(family.pressures)} dynamic pressures and blended between them. It takes every state as measured, lags "
+        "of the air included: the best that feedback can do, not yet a flight controller; `aeroservo design` makes "
+        "those, and `aeroservo report --controller FILE` reports on them."
     )
 
 
@@ -145,8 +146,8 @@ def _gains(case: ReportCase) -> list[Block]:
         Chart(
             series=series, x_label="dynamic pressure, Pa", y_label="gain K, rad per unit of the state",
             title="Gains of the schedule",
-            caption=f"u = −K x for {family.inputs[0]}; the largest ones without those of the air's lags. Smooth gains can "
-            "be blended.",
+            caption=f"u = −K x for {family.inputs[0]}; the largest ones without those of the air's lags. Smooth gains "
+            "can be blended.",
         )
     ]  # fmt: skip
 
@@ -220,6 +221,7 @@ def simulation_part(case: ReportCase) -> Part:
         )
     ]
     for run in runs:
+        blocks += _tip(case, run)
         blocks += _charts(run)
         notes = list(run.found.warnings)
         if run.found.overflow_at is not None:
@@ -262,6 +264,26 @@ def _replay(case: ReportCase, lattice: Lattice3D, run: Run) -> dict[str, Any]:
     )
 
 
+def _tip(case: ReportCase, run: Run) -> list[Block]:
+    """Deflection and twist of the tip, where coordinates are modes without a unit."""
+    h, modes = run.found.history, case.model.modes
+    if h is None or any(modes.units) or not len(modes.grid):
+        return []
+    plunge, twist = tip_motion(modes)
+    moving = [(j, name.replace(" ", "_")) for j, name in enumerate(modes.names) if name.replace(" ", "_") in h.channels]
+    part = thinned(len(h.t), MOST_SAMPLES)
+    up = -sum(plunge[j] * np.asarray(h[c]) for j, c in moving)
+    nose = np.degrees(sum(twist[j] * np.asarray(h[c]) for j, c in moving))
+    words = f"{run.words[:1].upper()}{run.words[1:]}."
+    return [
+        Chart(
+            series=(Series(name=name, x=h.t[part], y=np.asarray(value)[part]),), x_label="time t, s", y_label=label,
+            title=f"{run.name}: {name}", caption=words,
+        )
+        for name, value, label in (("tip deflection", up, "deflection up, m"), ("tip twist", nose, "twist nose up, °"))
+    ]  # fmt: skip
+
+
 def _charts(run: Run) -> list[Block]:
     """Motions, controls, gust of one run."""
     h = run.found.history
@@ -279,9 +301,7 @@ def _charts(run: Run) -> list[Block]:
             or channel in ("speed_m_s", "altitude_m")
         ):
             continue
-        label, factor = {"m": ("displacement, m", 1.0), "rad": ("angle, °", 180.0 / np.pi)}.get(
-            unit, ("", 1.0) if unit else ("modal coordinate, -", 1.0)
-        )
+        label, factor = {"m": ("displacement, m", 1.0), "rad": ("angle, °", 180.0 / np.pi)}.get(unit, ("", 1.0))
         if channel == "gust_m_s":
             label = "gust velocity (up), m/s"
         if not label or unit == "m/s^2" or len(groups.get(label, ())) >= 6:
@@ -331,14 +351,14 @@ def live_part(case: ReportCase) -> Part:
     kept = "" if len(family.modes) == case.model.modes.n else f" It holds the first {len(family.modes)} modes."
     text = (
         f"The page carries {family.A.shape[0] * family.A.shape[1] * family.A.shape[2]} linear models of "
-        f"{len(family.states)} states over airspeed, density and torsional stiffness; between them every entry is right to "
-        f"{family.error:.1g} of the largest in its row. It steps them exactly, {1e3 * family.dt_s / 10:.3g} ms at a time."
+        f"{len(family.states)} states over airspeed, density and torsional stiffness; between them every entry "
+        f"is right to {family.error:.1g} of the largest in its row. Steps are exact, {100 * family.dt_s:.3g} ms each."
         f"{kept}{fit} Linear theory: it knows no stall and no limits of the controls."
     )
     first = words(case.found.flutter_speed, "m/s")
     panel = LivePanel(
         data=data,
         title="Fly it",
-        caption=f"Take the airspeed past flutter ({first}), press Play, switch the controller on; then soften the wing.",
+        caption=f"Take the airspeed past flutter ({first}), press Play, switch the controller on; soften the wing.",
     )
     return Part(title="Live", anchor="live", blocks=(panel, Prose(text=text)))

@@ -45,15 +45,15 @@ def gust_part(case: ReportCase) -> Part:
     found = gust_loads(plant, gradients=gradients, velocity=velocity, turbulence=state)
     blocks: list[Block] = [
         Prose(
-            text=f"At {V:.4g} m/s, loop open: 1-cosine gusts of CS-25.341(a), whose velocity grows with their gradient H "
-            "(half their length), and Dryden turbulence of 1 m/s RMS, L = 533.4 m."
+            text=f"At {V:.4g} m/s, loop open: 1-cosine gusts of CS-25.341(a), whose velocity grows with their gradient "
+            "H (half their length), and Dryden turbulence of 1 m/s RMS, L = 533.4 m."
         ),
         *(Prose(text=note, kind="note") for note in found.notes),
     ]
     if not found.stable:
         why = f"the model is unstable at {V:.4g} m/s: it has no steady response to turbulence"
         return Part(title="Gusts and turbulence", anchor="gusts", blocks=(*blocks, Failed(why=why)))
-    peaks = _by_unit(found.channels)
+    peaks = _by_unit(found.channels, found.peak)
     for unit, columns in peaks.items():
         series = tuple(
             Series(name=_plain(found.channels[k]), x=found.gradient, y=found.peak[:, k])
@@ -63,7 +63,7 @@ def gust_part(case: ReportCase) -> Part:
             Chart(
                 series=series, x_label="gust gradient H, m", y_label=f"largest magnitude, {unit}",
                 title=f"Peaks in design gusts, {unit}",
-                caption="The critical gradient is where a curve is highest; a maximum at an end of the range is not one.",
+                caption="The critical gradient is where a curve is highest; a maximum at an end is not one.",
             )
         )  # fmt: skip
     critical = found.critical
@@ -91,7 +91,8 @@ def gust_part(case: ReportCase) -> Part:
         )
         blocks.append(
             Chart(
-                series=series, x_label="frequency, Hz", y_label=f"spectral density, ({unit})²/Hz", x_log=True, y_log=True,
+                series=series, x_label="frequency, Hz", y_label=f"spectral density, ({unit})²/Hz", x_log=True,
+                y_log=True,
                 title=f"Response to turbulence, {unit}", caption="Peaks are the modes; their height is their damping.",
                 hover="point",
             )
@@ -99,19 +100,35 @@ def gust_part(case: ReportCase) -> Part:
     return Part(title="Gusts and turbulence", anchor="gusts", blocks=tuple(blocks))
 
 
-def _by_unit(channels: tuple[str, ...]) -> dict[str, list[int]]:
-    """Channels by unit, displacements and loads; rates are left to the table."""
-    from aeroservo.simulate.history import unit_of
+#: Units at the end of a channel's name, the longer ones first.
+UNITS = {
+    "m_s2": "m/s²",
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "N_per_m": "N/m",
+    "N_m": "N m",
+    "rad": "rad",
+    "m": "m",
+    "N": "N",
+}
 
+
+def _unit(channel: str) -> str:
+    return next((u for u in UNITS if channel.endswith("_" + u)), "")
+
+
+def _by_unit(channels: tuple[str, ...], peak: np.ndarray) -> dict[str, list[int]]:
+    """Channels that move, by unit; rates and the gust itself are left to the table, modal coordinates too."""
     out: dict[str, list[int]] = {}
     for k, name in enumerate(channels):
-        if "rate" not in name:
-            out.setdefault(unit_of(name) or "-", []).append(k)
+        unit = _unit(name)
+        if unit and "rate" not in name and not name.startswith("gust") and np.any(peak[:, k] > 0.0):
+            out.setdefault(UNITS[unit], []).append(k)
     return out
 
 
 def _plain(channel: str) -> str:
-    return channel.replace("_", " ")
+    return channel.removesuffix("_" + _unit(channel)).replace("_", " ")
 
 
 def envelope_part(case: ReportCase) -> Part:
@@ -148,12 +165,16 @@ def envelope_part(case: ReportCase) -> Part:
         for k, p in enumerate(points)
     )
     why = dict.fromkeys(
-        f"{v.side} {words(v.speed, 'm/s')} at {p.altitude:g} m: {v.why}" for p in points[:1] for v in p.validity
+        f"{v.side} {words(v.speed, 'm/s')} at {p.altitude:g} m: {v.why}"
+        for p in points[:1]
+        for v in p.validity
+        if V[0] < v.speed < V[-1]
     )
     blocks: list[Block] = [
         Chart(
             series=series, x_label="true airspeed V, m/s", y_label="altitude, m", title="Envelope",
-            caption="Fly to the left of every curve. True airspeeds grow with altitude as the air thins.", hover="point",
+            caption="Fly to the left of every curve. True airspeeds grow with altitude as the air thins.",
+            hover="point",
             x_range=(0.0, float(min(V[-1], np.nanmax([np.nanmax(s.x) for s in series]) * 1.1))),
         ),
         Table(

@@ -49,7 +49,7 @@ class PageBuilder:
     def block(self, block: Block) -> str:
         """One block, escaped."""
         if isinstance(block, Prose):
-            paragraphs = "".join(f"<p>{escape(p.strip())}</p>" for p in re.split(r"\n\s*\n", block.text) if p.strip())
+            paragraphs = "".join(f"<p>{inline(p.strip())}</p>" for p in re.split(r"\n\s*\n", block.text) if p.strip())
             return f'<div class="prose {block.kind}">{paragraphs}</div>'
         if isinstance(block, Facts):
             return _facts(block)
@@ -61,7 +61,7 @@ class PageBuilder:
             image = base64.b64encode(block.png).decode()
             return (
                 f'<figure class="picture"><img alt="{escape(block.alternative)}" src="data:image/png;base64,{image}">'
-                f"<figcaption>{escape(block.caption)}</figcaption></figure>"
+                f"<figcaption>{inline(block.caption)}</figcaption></figure>"
             )
         if isinstance(block, Scene | LivePanel):
             return self._moving(block)
@@ -89,7 +89,7 @@ class PageBuilder:
         )
         return (
             f'<figure class="chart-box" data-chart="{number}"><h3>{escape(chart.title)}</h3>{chart_svg(chart, number)}'
-            f'<ul class="legend">{entries}</ul><figcaption>{escape(chart.caption)}</figcaption>'
+            f'<ul class="legend">{entries}</ul><figcaption>{inline(chart.caption)}</figcaption>'
             '<p class="tools"><button type="button" class="csv">CSV</button>'
             '<button type="button" class="enlarge" aria-pressed="false">Larger</button></p></figure>'
         )
@@ -98,14 +98,18 @@ class PageBuilder:
         number = len(self.data["tables"])
         rows = [[_exact(value) for value in row] for row in table.rows]
         self.data["tables"].append({"file": file_name(table.title or "table"), "columns": table.columns, "rows": rows})
-        head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.columns)
+        right = [all(_is_number(row[j]) for row in table.rows) for j in range(len(table.columns))]
+        head = "".join(
+            f'<th scope="col"{" class=number" if r else ""}>{escape(name)}</th>'
+            for name, r in zip(table.columns, right)
+        )
         body = "".join("<tr>" + "".join(_cell(value) for value in row) + "</tr>" for row in table.rows[:MOST_ROWS])
         more = len(table.rows) - MOST_ROWS
         note = f"<p>… and {more} more rows in the CSV.</p>" if more > 0 else ""
         title = f"<h3>{escape(table.title)}</h3>" if table.title else ""
         return (
             f'<figure class="table-box" data-table="{number}">{title}<div class="scroll" tabindex="0"><table>'
-            f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{note}<figcaption>{escape(table.caption)}"
+            f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{note}<figcaption>{inline(table.caption)}"
             '</figcaption><p class="tools"><button type="button" class="csv">CSV</button></p></figure>'
         )
 
@@ -115,8 +119,24 @@ class PageBuilder:
         self.data[kind].append(block.data)
         return (
             f'<figure class="moving {kind}" data-{kind}="{number}"><h3>{escape(block.title)}</h3>'
-            f'<div class="stage"></div><figcaption>{escape(block.caption)}</figcaption></figure>'
+            f'<div class="stage"></div><figcaption>{inline(block.caption)}</figcaption></figure>'
         )
+
+
+def inline(text: str) -> str:
+    """Escaped text in which `words between backticks` stand as code.
+
+    Parameters
+    ----------
+    text : str
+        Of any origin.
+
+    Returns
+    -------
+    html : str
+        Nothing but text and code elements.
+    """
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
 def file_name(title: str) -> str:
@@ -157,9 +177,12 @@ def shown(value: Any) -> str:
     return str(value)
 
 
+def _is_number(value: Any) -> bool:
+    return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
+
+
 def _cell(value: Any) -> str:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"<td{' class=number' if number or value is None else ''}>{escape(shown(value))}</td>"
+    return f"<td{' class=number' if _is_number(value) else ''}>{escape(shown(value))}</td>"
 
 
 def _exact(value: Any) -> Any:

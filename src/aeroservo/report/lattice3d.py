@@ -212,7 +212,7 @@ def _aircraft(file: AircraftFile) -> list[Patch]:
             control = next((c for c in surface.controls if c.span_from <= 0.5 * (a + b) <= c.span_to), None)
             f = np.linspace(a, b, max(3, round(ACROSS * (b - a)) + 1))
             edge, chord, twist = section_at(surface, f)
-            hinge = 1.0
+            hinge: Any = 1.0
             if control is not None:
                 share = np.clip((f - control.span_from) / (control.span_to - control.span_from), 0.0, 1.0)
                 hinge = control.hinge_from + share * (control.hinge_to - control.hinge_from)

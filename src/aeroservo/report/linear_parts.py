@@ -116,4 +116,5 @@ def linear_runs(case: ReportCase) -> Part:
 
 def _system(file: StateSpaceFile) -> LinearSystem:
     m = file.model
-    return LinearSystem(A=m.A, B=m.B, C=m.C, D=m.D, states=m.states, inputs=m.inputs, outputs=m.outputs)
+    A, B, C, D = (np.array(x, dtype=float) for x in (m.A, m.B, m.C, m.D))
+    return LinearSystem(A=A, B=B, C=C, D=D, states=m.states, inputs=m.inputs, outputs=m.outputs)

@@ -131,13 +131,14 @@ def _air() -> dict[str, str]:
 def _outputs(family: LiveFamily) -> list[dict[str, Any]]:
     """Tip deflection, tip twist, controls."""
     out: list[dict[str, Any]] = []
+    row: Any
     for name, unit, row, scale in (("deflection up", "m", 0, 1.0), ("twist nose up", "°", 1, 180.0 / np.pi)):
         if np.any(family.tip[row]):
             out.append({"name": name, "unit": unit, "row": family.tip[row] * scale})
     for k, name in enumerate(family.inputs[: family.controls]):
         plain = name.removesuffix("_rad").removesuffix("_command")
         row = np.array([180.0 / np.pi * (s == f"{plain}_rad") for s in family.states])
-        moved = {"row": row} if np.any(row) else {"control": k, "factor": 180.0 / np.pi}
+        moved: dict[str, Any] = {"row": row} if np.any(row) else {"control": k, "factor": 180.0 / np.pi}
         out.append({"name": plain.replace("_", " "), "unit": "°", **moved})
     return out
 

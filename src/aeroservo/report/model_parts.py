@@ -51,15 +51,15 @@ def summary_part(case: ReportCase) -> Part:
         Facts(items=tuple(facts)),
         Prose(
             text=f"{case.file.name}, a model of kind {case.file.kind}, at {case.options.altitude:g} m of the standard "
-            f"atmosphere (density {case.rho:.4g} kg/m³): {how}. Speeds are true airspeeds. Damping is the damping ratio "
-            "ζ = −Re λ/|λ|, positive where a motion dies away."
+            f"atmosphere (density {case.rho:.4g} kg/m³): {how}. Speeds are true airspeeds. Damping is the damping "
+            "ratio ζ = −Re λ/|λ|, positive where a motion dies away."
         ),
     ]
     notes = [*case.file.problems(), *found.warnings, *statics.warnings]
     blocks += [Prose(text=note, kind="warning") for note in dict.fromkeys(notes)]
     beyond = [
-        f"{name} at {speed:.4g} m/s lies beyond Mach 0.3, where incompressible air forces err: take it as a sign, not as "
-        "a number"
+        f"{name} at {speed:.4g} m/s lies beyond Mach 0.3, where incompressible air forces err: take it as a sign, not "
+        "as a number"
         for name, speed in (("Flutter", V), ("Divergence", found.divergence_speed))
         if speed is not None and speed > MACH_LIMIT * case.a_sound
     ]
@@ -116,8 +116,19 @@ def model_part(case: ReportCase) -> Part:
     return Part(title="Model", anchor="model", blocks=tuple(blocks))
 
 
+#: Units at the end of a property's name.
+UNITS = {
+    "rad_s2": "rad/s²", "rad_s": "rad/s", "kg_m2": "kg m²", "kg_per_m2": "kg/m²", "kg_per_m": "kg/m",
+    "N_per_m2": "N/m²", "N_per_m": "N/m", "N_m": "N m", "N_m2": "N m²", "m_s": "m/s", "m2": "m²", "Pa": "Pa",
+    "Hz": "Hz", "deg": "°", "rad": "rad", "kg": "kg", "N": "N", "m": "m", "s": "s",
+}  # fmt: skip
+
+
 def _name(key: str) -> str:
-    return key.replace("_", " ")
+    """A property's name in words, its unit after a comma."""
+    suffix = next((u for u in UNITS if key.endswith("_" + u)), "")
+    plain = key.removesuffix("_" + suffix) if suffix else key
+    return plain.replace("_", " ") + (f", {UNITS[suffix]}" if suffix else "")
 
 
 def _views(lattice: Lattice3D) -> list[Block]:
@@ -261,8 +272,8 @@ def flutter_part(case: ReportCase) -> Part:
             x_range=across,
             marks=lines,
             bands=shaded,
-            caption="Flutter begins where a curve falls through zero. A steep fall leaves no warning in flight. Motions "
-            "that do not oscillate have ζ = 1 or −1 and lie off this scale. (The thesis' 100 Re λ/|λ| is −100 ζ.)",
+            caption="Flutter begins where a curve falls through zero. A steep fall leaves no warning in flight. "
+            "Motions that do not oscillate have ζ = 1 or −1 and lie off this scale. (The thesis plots −100 ζ.)",
         ),
         Chart(
             series=tuple(locus),

@@ -79,6 +79,7 @@ def legend_entries(chart: Chart) -> list[tuple[str, str, int | None]]:
         A small SVG of the look, the text (not yet escaped), and the number of the series that it switches.
     """
     entries: list[tuple[str, str, int | None]] = []
+    x, y = axes_of(chart)
     for k, series in enumerate(chart.series):
         if not series.name:
             continue
@@ -90,10 +91,13 @@ def legend_entries(chart: Chart) -> list[tuple[str, str, int | None]]:
         )
         entries.append((f'<svg class="sample" viewBox="0 0 26 12">{sample}</svg>', series.name, k))
     for mark in chart.marks:
-        if mark.text:
+        axis = x if mark.axis == "x" else y
+        if mark.text and axis.low <= mark.at <= axis.high:
             line = f'<path class="mark m-{mark.kind}" d="M1 6H25"/>'
             entries.append((f'<svg class="sample" viewBox="0 0 26 12">{line}</svg>', mark.text, None))
-    for kind, text in dict.fromkeys((band.kind, band.text) for band in chart.bands if band.text):
+    for kind, text in dict.fromkeys(
+        (b.kind, b.text) for b in chart.bands if b.text and b.end > x.low and b.start < x.high
+    ):
         box = f'<rect class="band b-{kind}" x="1" y="1" width="24" height="10"/>'
         if kind == "divergence":
             box += '<path class="hatch" d="M3 11L11 1M9 11L17 1M15 11L23 1"/>'

@@ -43,6 +43,8 @@ GUST_ANGLE = np.radians(1.0)
 """Gust velocity over airspeed in time histories: small, so that linear theory holds."""
 CRUISE_LIFTS = (0.3, 0.25, 0.2, 0.15, 0.1)
 """Lift coefficients of wing polars, trim and span loading, the first for which section polars reach. [-]"""
+GROWN = 3.0
+"""Growth, as a power of e, after which a run beyond flutter ends."""
 MOST_SPEEDS = 400
 """Speeds of the sweep that figures draw; boundaries do not depend on them."""
 METHODS: dict[str, type[P] | type[PK] | type[K] | type[G]] = {"p": P, "pk": PK, "k": K, "g": G}
@@ -348,7 +350,9 @@ def _runs(case: ReportCase) -> list[Run]:
     duration = float(np.clip(14.0 / f, 0.5, 30.0))
     out = [_gusted(case, below, length, duration, "Gust, loop open")]
     if first is not None and case.options.speed is None:
-        out.append(_gusted(case, 1.1 * first, length, duration, "Gust beyond flutter, loop open"))
+        growth = float(np.linalg.eigvals(case.family.at(1.1 * first, case.rho).A).real.max())
+        short = float(np.clip(0.05 * duration + length / first + GROWN / max(growth, 1e-9), 0.2 * duration, duration))
+        out.append(_gusted(case, 1.1 * first, length, short, "Gust beyond flutter, loop open"))
     if case.options.controller is not None or case.family.controls:
         fast = 1.1 * first if first is not None and case.options.speed is None else below
         out.append(_gusted(case, fast, length, duration, "Gust, loop closed", closed=True))

@@ -119,7 +119,7 @@ function createLive(container, data) {
       });
       g.stroke();
       g.fillStyle = ink("--ink");
-      g.fillText(`${o.name}, ±${largest.toPrecision(2)} ${o.unit}`, 6, lane * k + 14);
+      g.fillText(history.length ? `${o.name}, ±${largest.toPrecision(2)} ${o.unit}` : o.name, 6, lane * k + 14);
     });
   }
   let told = 0, drawn = 0;

@@ -171,6 +171,7 @@ function createWing(container, data, options = {}) {
     eye.far = 40 * size;
     eye.updateProjectionMatrix();
     renderer?.setSize(w, h, false);
+    if (renderer && orbit) { pose(); renderer.render(scene, eye); } // at once: a new size begins black
     state.dirty = true;
   };
   if (renderer) {
