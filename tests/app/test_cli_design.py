@@ -81,7 +81,7 @@ def test_lqg_of_bact_is_the_python_function_and_flies(cli: Cli, tmp_path: Path) 
 
 
 def test_an_autopilot_rate_loop_is_checked_for_what_it_does_to_the_wing(cli: Cli, tmp_path: Path) -> None:
-    """A user's PID with its filters, from its file: flutter with the loop closed, the same margin as the design says."""
+    """A user's PID with its filters, from its file: flutter with the loop closed, and the margin of the design."""
     file = tmp_path / "autopilot.json"
     words = ("--method", "pid", "--sensors", "pitch_rate_rad_s", "--kp", "-0.4", "--rate", 200, "--delay-samples", 1,
              "--filter", "lowpass:150", "--speed", 50, "--altitude", 3048)  # fmt: skip

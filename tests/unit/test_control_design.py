@@ -276,6 +276,29 @@ def test_ill_scaled_problem_is_refined() -> None:
     np.testing.assert_allclose(lqr_gain(A, B, Q, np.eye(1))[0] @ np.linalg.inv(scale), plain, rtol=1e-5)
 
 
+@pytest.mark.parametrize("dt", [None, 0.05])
+def test_no_solver_is_taken_at_its_word(monkeypatch: pytest.MonkeyPatch, dt: float | None) -> None:
+    """A solution that is a little off is refined by Newton's method, one that is far off is refused."""
+    import scipy.linalg
+
+    plant = second_order(dt)
+    Q, R, N = np.diag([3.0, 1.0]), np.array([[0.5]]), np.array([[0.2], [0.1]])
+    name = "solve_continuous_are" if dt is None else "solve_discrete_are"
+    true = getattr(scipy.linalg, name)
+    exact = riccati(plant.A, plant.B, Q, R, N=N, dt=dt)
+    for off, found in ((1e-4, True), (-30.0, False)):
+        monkeypatch.setattr(scipy.linalg, name, lambda *a, off=off, **k: true(*a, **k) + off * np.eye(2))
+        if found:
+            better = riccati(plant.A, plant.B, Q, R, N=N, dt=dt)
+            assert riccati_residual(plant.A, plant.B, Q, R, better, N=N, dt=dt) < 1e-11
+            np.testing.assert_allclose(better, exact, rtol=1e-9)
+            continue
+        with pytest.raises(ValueError, match="relative residual of the Riccati equation"):
+            riccati(plant.A, plant.B, Q, R, N=N, dt=dt)
+        with pytest.raises(ValueError, match="ill-conditioned"):
+            LQR(Q=Q, R=R)(plant)
+
+
 NAMES = ("plunge", "pitch", "lag")
 
 
