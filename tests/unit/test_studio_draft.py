@@ -151,7 +151,7 @@ def test_places_that_are_not_there() -> None:
 BAD_NAMES = [
     "../x.toml", "/etc/x.toml", "a/b.toml", "a\\b.toml", ".hidden.toml", "", "x.toml/..", "con.toml", "NUL.toml",
     "lpt1.toml", "x\0.toml", "x\n.toml", "x.toml ", "C:x.toml", "~/x.toml", "x" * 200 + ".toml", "..toml", "a..b.toml",
-    "x.html", "é.toml",
+    "x.html", "x;y.toml", "x|y.toml", "-rf.toml", "$(x).toml",
 ]  # fmt: skip
 
 
@@ -180,6 +180,12 @@ def test_links_do_not_lead_out_of_the_folder(tmp_path: Path) -> None:
     assert files_in(folder, ".toml") == ()
     with pytest.raises(ModelFileError, match="link"):
         opened("link.toml", folder)
+
+
+@pytest.mark.parametrize("name", ["wing (1).toml", "Flügel.toml", "a.b-c_d+e, 2.toml"])
+def test_ordinary_names_are_taken(name: str, tmp_path: Path) -> None:
+    assert saved(tmp_path, name, ".toml", b"", force=False) == tmp_path / name
+    assert files_in(tmp_path, ".toml") == (name,)
 
 
 def test_saving_asks_before_it_replaces(tmp_path: Path) -> None:

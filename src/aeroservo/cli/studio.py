@@ -48,11 +48,12 @@ def studio(
     """
     from importlib.util import find_spec
 
-    from aeroservo.aircraft.files import presets
+    from aeroservo.aircraft.files import presets, read
 
     if find_spec("nicegui") is None:
         complain('the studio needs NiceGUI, which is not installed: pip install "aeroservo[studio]"')
         raise typer.Exit(1)
+    read(model)  # refuses here what the page could only show
     preset = model in {p.name for p in presets()}
     home = folder or (Path.cwd() if preset else Path(model).parent)
     if not home.is_dir():
@@ -64,7 +65,7 @@ def studio(
     from aeroservo.studio.server import Choice, Studio
 
     name = model if preset else Path(model).name
-    opened(name, home)  # refuses here what the page could only show
+    opened(name, home)
     running = Studio(Choice(folder=home, model=name, port=port))
     typer.echo(f"aeroservo studio at {running.url} (folder {home}; Ctrl-C stops it)")
 

@@ -10,7 +10,7 @@ from aeroservo.aircraft.file_errors import clean
 from aeroservo.aircraft.files import ModelFileError, write_whole
 
 #: What a file may be called: no separators, no leading dot, nothing that a system reads as a device or a stream.
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_ .+-]{0,119}")
+_NAME = re.compile(r"\w[\w .,+()@=-]{0,119}")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{d}{i}" for d in ("com", "lpt") for i in range(10))}
 
 
@@ -45,12 +45,12 @@ def inside(folder: Path, name: str, ending: str) -> Path:
     >>> inside(Path("."), "../wing.toml", ".toml")
     Traceback (most recent call last):
     ...
-    aeroservo.aircraft.files.ModelFileError: file name '../wing.toml': letters, digits, _ - + . and spaces only, ...
+    aeroservo.aircraft.files.ModelFileError: file name '../wing.toml': letters, digits, spaces and _ - + . , ( ) @ = ...
     """
     if not _NAME.fullmatch(name) or ".." in name or name.split(".")[0].strip().lower() in _DEVICES or name[-1] in " .":
         raise ModelFileError(
-            f"file name {clean(repr(name), 80)}: letters, digits, _ - + . and spaces only, starting with a letter, "
-            "digit or _, no folders"
+            f"file name {clean(repr(name), 80)}: letters, digits, spaces and _ - + . , ( ) @ = only, starting with a "
+            "letter, digit or _, no folders"
         )
     if not name.lower().endswith(ending):
         raise ModelFileError(f"file name {clean(repr(name), 80)} must end in {ending}")
