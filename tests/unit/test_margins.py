@@ -301,3 +301,33 @@ def gain_none() -> Controller:
     return Controller(
         A=[], B=[], C=[], D=[[0.0]], inputs=("pitch_rate_rad_s",), outputs=("elevon_command_rad",), dt_s=0.005
     )  # type: ignore[arg-type]
+
+
+def test_delays_of_controllers_and_of_sampled_plants() -> None:
+    """A delay in a continuous controller is one in the loop; a sampled plant takes whole samples more, no fractions."""
+    plant = plant_of([[0.0]], [[1.0]], [[1.0]], [[0.0]])
+    late = LinearSystem(
+        A=[[-50.0]], B=[[50.0]], C=[[-3.0]], D=[[0.0]], states=("z",), inputs=("y0",), outputs=("u0",),
+        input_delay_s=0.1,
+    )  # type: ignore[arg-type]  # fmt: skip
+    prompt = replace(late, input_delay_s=0.0)
+    one, two = loop_margins(plant, late)[0], loop_margins(plant, prompt, delay_s=0.1)[0]
+    assert one.gain_up == pytest.approx(two.gain_up, rel=IDENTITY)
+    assert one.delay_s == pytest.approx((loop_margins(plant, prompt)[0].delay_s or 0.0) - 0.1, rel=1e-6)
+    sampled = plant_of([[1.0]], [[0.1]], [[1.0]], [[0.0]], dt=0.1)
+    gain = gain_of(2.0, dt=0.1)
+    own = loop_margins(sampled, gain)[0]
+    shifted = loop_margins(sampled, gain, delay_s=0.1)[0]
+    assert shifted.delay_s == pytest.approx((own.delay_s or 0.0) - 0.1, rel=1e-6)
+    with pytest.raises(ValueError, match="whole samples"):
+        loop_margins(sampled, gain, delay_s=0.05)
+
+
+def test_a_resonance_crosses_gain_one_between_two_frequencies() -> None:
+    """Tops and bottoms of |L| between frequencies of the grid give their crossovers, in pairs."""
+    zeta, omega = 1e-5, 20.0
+    plant = plant_of([[0, 1], [-(omega**2), -2 * zeta * omega]], [[0], [1]], [[0, 2 * zeta * omega]], [[0]])
+    one = loop_margins(plant, gain_of(1.0 + 1e-6))[0]
+    assert len(one.gain_crossovers) == 2
+    width = omega * zeta * math.sqrt(2e-6)  # |L| = g/sqrt(1 + ((w - w0)/(zeta w0))^2)
+    assert [w for w, _ in one.gain_crossovers] == pytest.approx([omega - width, omega + width], abs=0.01 * width)
