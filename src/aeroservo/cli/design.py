@@ -75,9 +75,9 @@ Integrals = Annotated[
 QIntegrals = Annotated[
     str | None, typer.Option("--q-integrals", metavar="LIST", help="lqi: their weights (default 1 each).")
 ]
-Leak = Annotated[float, typer.Option("--leak", metavar="1_S", help="lqi: rate at which integrals forget (default 0).")]
+Leak = Annotated[float, typer.Option("--leak", metavar="1_S", help="lqi: rate at which integrals forget.")]
 GustNoise = Annotated[
-    float, typer.Option("--gust-noise", metavar="M_S", help="lqg: standard deviation of the gust, m/s (default 0.1).")
+    float, typer.Option("--gust-noise", metavar="M_S", help="lqg: standard deviation of the gust, m/s.")
 ]
 W = Annotated[
     str | None,
@@ -90,13 +90,13 @@ V = Annotated[
     ),
 ]
 Recovery = Annotated[
-    float, typer.Option("--recovery", metavar="DEG", help="lqg: loop-transfer recovery, command noise (default 0).")
+    float, typer.Option("--recovery", metavar="DEG", help="lqg: loop-transfer recovery, command noise.")
 ]
 Gain = Annotated[float, typer.Option("--kp", help="pid: gain on the sensor.")]
 IntegralGain = Annotated[float, typer.Option("--ki", help="pid: gain on its integral.")]
 DerivativeGain = Annotated[float, typer.Option("--kd", help="pid: gain on its derivative.")]
 Derivative = Annotated[
-    float, typer.Option("--derivative", metavar="RAD_S", help="pid: where the derivative rolls off (default 100).")
+    float, typer.Option("--derivative", metavar="RAD_S", help="pid: where the derivative rolls off.")
 ]
 Filters = Annotated[
     list[str] | None,
@@ -512,7 +512,7 @@ def _content(method: DesignMethod, V: list[float], found: Synthesis) -> dict[str
         "states": d.states,
         "inputs": c.outputs,
         "measured": c.inputs,
-        "K": d.K,
+        "K": d.K if d.states else None,
         "closed_loop_eigenvalues": d.closed_loop_eigenvalues,
         "residual": d.residual,
         "disk_margin_alpha": alpha[0] if one else alpha,
