@@ -749,7 +749,10 @@ class AeroelasticModel:
         return next((i for i, column in enumerate(self.aero.inputs) if column.name == name), None)
 
     def with_K(self, K: Array) -> AeroelasticModel:
-        """The same model on another stiffness matrix, shape (n, n), which its statics then use too. [SI]"""
+        """The same model on another stiffness matrix, shape (n, n), which its statics then use too. [SI]
+
+        What relaxes of a viscoelastic structure stays as it is.
+        """
         return replace(self, modes=replace(self.modes, K=K), statics=None, rolling=None)
 
 
