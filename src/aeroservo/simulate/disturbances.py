@@ -135,7 +135,23 @@ class Gustiness:
         return "dryden" if self.model == "dryden_blockset" else self.model
 
     def state(self, altitude: Array) -> Turbulence:
-        """Intensities and lengths at altitudes (...), shape (..., 3). [m/s, m]"""
+        """Intensities and lengths at altitudes.
+
+        Parameters
+        ----------
+        altitude : ndarray, shape (...)
+            Above ground. [m]
+
+        Returns
+        -------
+        state : Turbulence
+            Arrays of shape (..., 3); of shape (3,) for an RMS that is the same at every height. [m/s, m]
+
+        Raises
+        ------
+        ValueError
+            If an altitude is below ground or above the tables.
+        """
         if isinstance(self.level, str):
             spectrum: Literal["dryden", "von_karman"] = "dryden" if self.filter == "dryden" else "von_karman"
             return turbulence(altitude, severity=self.level, spectrum=spectrum, specification=self.specification)
