@@ -50,6 +50,8 @@ class Adaptation:
     ----------
     watch : Controller
         Filter from what the schedule measures to m targets, then n regressors; at the schedule's points.
+    force : ndarray, shape (p, m)
+        What each target is divided by: the model's force per unit of the regressor, at the schedule's points. [SI]
     effects : tuple of str, length n m
         Names of the parameters, regressor by regressor.
     start, lower, upper : ndarray, shape (n, m)
@@ -79,6 +81,7 @@ class Adaptation:
     """
 
     watch: Controller
+    force: Array
     effects: tuple[str, ...]
     start: Array
     lower: Array
@@ -97,15 +100,19 @@ class Adaptation:
 
     def __post_init__(self) -> None:
         """Lock the arrays and check shapes and numbers."""
-        for name in ("start", "lower", "upper", "dither"):
+        for name in ("force", "start", "lower", "upper", "dither"):
             object.__setattr__(self, name, frozen(getattr(self, name), ndim=2, name=name))
         object.__setattr__(self, "shares", frozen(self.shares, ndim=3, name="shares"))
         n, m = self.start.shape
         points = len(self.watch.pressures)
         if n < 1 or m < 1 or len(self.watch.outputs) != n + m or len(self.effects) != n * m:
             raise ValueError(f"watch must give {m} targets and {n} regressors, and effects name {n * m} parameters")
-        if self.lower.shape != (n, m) or self.upper.shape != (n, m) or self.shares.shape != (points, n, m):
-            raise ValueError(f"lower and upper must have shape {(n, m)}, shares {(points, n, m)}")
+        shapes = {"lower": (n, m), "upper": (n, m), "shares": (points, n, m), "force": (points, m)}
+        for name, shape in shapes.items():
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
+        if np.any(self.force == 0.0):
+            raise ValueError("force must not be zero at any point")
         if np.any(self.lower > self.start) or np.any(self.start > self.upper):
             raise ValueError("start must lie between lower and upper [-]")
         if len(self.scaled) != len(self.watch.inputs) or not len(self.dither):
@@ -246,12 +253,13 @@ def control_adaptation(
     moved = np.flatnonzero(np.abs(force).min(axis=0) > 1e-12 * np.abs(force).max())
     A = state_matrix(model, conditions, keep=np.ones(n, dtype=bool))[:, n:]
     where = [schedule.inputs.index(name) for name in needed]
-    watch = _watch(schedule, where, np.einsum("pij,pjk->pik", M, A)[:, moved], M[:, moved], force[:, moved])
+    watch = _watch(schedule, where, np.einsum("pij,pjk->pik", M, A)[:, moved], M[:, moved])
     shares = _shares(schedule, where[n : 2 * n], rows.inverse, force, own, moved)
     sides = np.where(np.arange(dither_samples) < dither_samples // 2, 1.0, -1.0)
     one = np.ones((1, len(moved)))
     return Adaptation(
         watch=watch,
+        force=force[:, moved],
         effects=tuple(f"effect_{names[i]}" for i in moved),
         start=one,
         lower=bounds[0] * one,
@@ -327,11 +335,11 @@ def recursive_least_squares(
     return out, P
 
 
-def _watch(schedule: Controller, where: list[int], motion: Array, M: Array, force: Array) -> Controller:
+def _watch(schedule: Controller, where: list[int], motion: Array, M: Array) -> Controller:
     """The filter from measured values to what the model does not explain, and to the deflection, both whitened.
 
-    Raw rows use y now and y a sample ago: M (v - v') - dt M A (x + x')/2, over the nominal force; and the deflection
-    over the sample by the parabola through it now and one and two samples ago. States are y a sample ago, the
+    Raw rows use y now and y a sample ago: M (v - v') - dt M A (x + x')/2; and the integral of the deflection over
+    the sample by the parabola through it now and one and two samples ago. States are y a sample ago, the
     deflection two ago, then those of F: F r = r + s, s' = -r - WHITE F r.
     """
     dt = schedule.dt_s or 1.0
@@ -341,7 +349,6 @@ def _watch(schedule: Controller, where: list[int], motion: Array, M: Array, forc
     for rows, sign in ((now, 1.0), (ago, -1.0)):
         rows[:, :m, where[:n2]] = -0.5 * dt * motion
         rows[:, :m, where[n:n2]] += sign * M
-        rows[:, :m] /= force[..., None]
     now[:, m, where[n2]], ago[:, m, where[n2]], ago[:, m, n_in] = dt * np.array([5.0, 8.0, -1.0]) / 12.0
     held = n_in + 1
     A, B = np.zeros((points, held + k, held + k)), np.zeros((points, held + k, n_in))

@@ -289,11 +289,12 @@ def deviations(root, pile, out):  # pragma: no cover - compiled
 @njit(cache=True, nogil=True, error_model="numpy")
 def adapt(
     matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command,
-    watch, numbers, bounds, shares, scaled, dither, memory, fx, root, theta, spread, block, pile, record,
+    watch, force, numbers, bounds, shares, scaled, dither, memory, fx, root, theta, spread, block, pile, record,
 ):  # fmt: skip  # pragma: no cover - compiled
     """One sample of an adaptive controller: identify, judge, and scale what the schedule commands.
 
-    `watch` are the matrices of the filter that makes targets and regressors; numbers: forgetting, ceiling of the
+    `watch` are the matrices of the filter that makes targets and regressors, `force` what a target is divided by;
+    numbers: forgetting, ceiling of the
     covariance, robustness, largest error of a parameter that is used, least and largest gain, largest change of the
     gain in a sample, error below which nothing is added to the command, samples before anything is used, largest trace
     of the covariance with which anything is used (excitation is there), samples in a block; memory: gain, samples so
@@ -311,6 +312,9 @@ def adapt(
         seen[n_f + i] = new[n_c + i]
     blended(watch, n_f, m + n, n_f + n_in, point, weight, seen, out)
     blended(watch, 0, n_f, n_f + n_in, point, weight, seen, fx)
+    after = min(point + 1, force.shape[0] - 1)
+    for j in range(m):
+        out[j] /= force[point, j] + weight * (force[after, j] - force[point, j])
     if memory[1] >= 3.0:  # the filter holds real samples
         least_squares(out[m:], out[:m], numbers[0], numbers[1], numbers[2], bounds[0], bounds[1], root, theta, spread,
                       push)  # fmt: skip
@@ -427,7 +431,7 @@ def run(
     x, held, path, speed, cosines, offsets, external,
     ctrl, ctrl_sizes, ctrl_weights, ctrl_rows, ctrl_delays, ctrl_quanta, ctrl_noise, ctrl_limits, ctrl_map,
     period, computing, first_sample, xc, ring, latest, queue, pipe, pipe_delays, gains, command_limits, commands,
-    watch, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread, block, pile, adapted,
+    watch, force, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread, block, pile, adapted,
     limit_rows, limit_values, statistics, every, record, trace,
 ):  # fmt: skip  # pragma: no cover - compiled
     """Step `n_step` base steps from step `k_start`; returns code, steps done, records written, row of a limit left.
@@ -478,7 +482,7 @@ def run(
                 else:
                     adapt(ctrl, ctrl_sizes, ctrl_weights, sample, ring, slot, ctrl_delays, ctrl_noise, ctrl_quanta,
                           ctrl_limits, xc, work, command,
-                          watch, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread,
+                          watch, force, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread,
                           block, pile, adapted)  # fmt: skip
                 for r in range(ctrl_map.shape[0]):
                     latest[r] = command[r]

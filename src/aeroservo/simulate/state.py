@@ -96,7 +96,7 @@ class RunState:
         self.gain = np.array([1.0, 0.0])
         if a is None or self.sampled is None:
             none = np.zeros((0, 0))
-            self.adaptive = (np.zeros((1, 0, 0)), np.zeros(11), np.zeros((2, 0, 0)), np.zeros((1, 0, 0)),
+            self.adaptive = (np.zeros((1, 0, 0)), none, np.zeros(11), np.zeros((2, 0, 0)), np.zeros((1, 0, 0)),
                              np.zeros(0, np.bool_), none)  # fmt: skip
             self.fx, self.root, self.theta, self.spread = np.zeros(0), none, none.copy(), np.zeros(1)
             self.block, self.pile = none.copy(), np.zeros((0, 0, 0))
@@ -106,7 +106,15 @@ class RunState:
             np.concatenate([np.concatenate([a.watch.A, a.watch.B], 2), np.concatenate([a.watch.C, a.watch.D], 2)], 1)
         )
         bounds = np.stack([a.lower, a.upper])
-        self.adaptive = watch, a.numbers, bounds, np.array(a.shares), np.array(a.scaled), np.array(a.dither)
+        self.adaptive = (
+            watch,
+            np.array(a.force),
+            a.numbers,
+            bounds,
+            np.array(a.shares),
+            np.array(a.scaled),
+            np.array(a.dither),
+        )
         self.fx, self.theta, self.spread = np.zeros(a.watch.A.shape[-1]), np.array(a.start), np.zeros(m + 1)
         self.block, self.pile = np.zeros((n, m)), np.zeros((m, n, n))
         self.root = np.sqrt(a.numbers[1] / n) * np.eye(n)
