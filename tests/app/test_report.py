@@ -50,7 +50,8 @@ from aeroservo.report.svg_chart import chart_svg, legend_entries
 from aeroservo.simulate.disturbances import CosineGust
 from aeroservo.simulate.profiles import level
 from aeroservo.studies.aircraft_report import ReportOptions, report_case
-from aeroservo.studies.live_model import LiveFamily, exact_system, first_modes, live_family, torsional_stiffness
+from aeroservo.studies.live_model import LiveFamily, exact_system, live_family
+from aeroservo.studies.live_parts import first_modes, torsional_stiffness
 
 EVIL = "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=2>\"'&`=1"
 ORIGIN = Provenance(version="1", source="m", input_hash="0" * 64)

@@ -11,13 +11,15 @@ from aeroservo.report.blocks import Block, Chart, Failed, Part, Prose, Series, T
 from aeroservo.report.part_tools import words
 from aeroservo.studies.aircraft_report import MACH_LIMIT, ReportCase
 from aeroservo.studies.envelope import envelope
-from aeroservo.studies.gust_loads import design_velocity, gust_loads
+from aeroservo.studies.gust_loads import GustLoads, design_velocity, gust_loads
 from aeroservo.studies.gust_plant import gust_plant
 from aeroservo.studies.root_loads import with_loads
 from aeroservo.studies.turbulence_spectra import response_spectra
 
 #: Altitudes of the envelope. [m]
 ALTITUDES = (0.0, 1500.0, 3000.0, 4500.0, 6000.0, 8000.0)
+#: Speeds of the search at each altitude: boundaries do not depend on them.
+SPEEDS = 41
 #: Channels drawn in one chart.
 MOST_CHANNELS = 6
 
@@ -53,51 +55,69 @@ def gust_part(case: ReportCase) -> Part:
     if not found.stable:
         why = f"the model is unstable at {V:.4g} m/s: it has no steady response to turbulence"
         return Part(title="Gusts and turbulence", anchor="gusts", blocks=(*blocks, Failed(why=why)))
-    peaks = _by_unit(found.channels, found.peak)
-    for unit, columns in peaks.items():
+    blocks += _peaks(found)
+    blocks.append(_critical(found))
+    blocks += _spectra(found, *response_spectra(plant, state))
+    return Part(title="Gusts and turbulence", anchor="gusts", blocks=tuple(blocks))
+
+
+def _peaks(found: GustLoads) -> list[Block]:
+    """Largest magnitudes against gradient, a chart for each unit."""
+    out: list[Block] = []
+    for unit, columns in _by_unit(found.channels, found.peak).items():
         series = tuple(
             Series(name=_plain(found.channels[k]), x=found.gradient, y=found.peak[:, k])
             for k in columns[:MOST_CHANNELS]
         )
-        blocks.append(
+        out.append(
             Chart(
-                series=series, x_label="gust gradient H, m", y_label=f"largest magnitude, {unit}",
+                series=series,
+                x_label="gust gradient H, m",
+                y_label=f"largest magnitude, {unit}",
                 title=f"Peaks in design gusts, {unit}",
                 caption="The critical gradient is where a curve is highest; a maximum at an end is not one.",
             )
-        )  # fmt: skip
-    critical = found.critical
-    table = []
+        )
+    return out
+
+
+def _critical(found: GustLoads) -> Table:
+    """Worst gradient and RMS of every channel."""
+    critical, rows = found.critical, []
     for k, name in enumerate(found.channels):
         worst = None if critical is None else float(critical.gradient[k])
         peak = None if critical is None else float(critical.peak[k])
-        end = critical is not None and bool(critical.at_limit[k])
-        table.append(
-            (name, worst, "at an end" if end else "", peak, float(found.rms[k]), float(found.rms_by_frequency[k]))
-        )
-    blocks.append(
-        Table(
-            columns=("channel", "critical H, m", "", "peak there", "RMS per m/s", "RMS per m/s, by frequency"),
-            rows=tuple(table),
-            title="Critical gusts and turbulence",
-            caption="RMS computed twice: from Lyapunov's equation, and by integrating the spectrum of the response.",
-        )
+        end = "at an end" if critical is not None and bool(critical.at_limit[k]) else ""
+        rows.append((name, worst, end, peak, float(found.rms[k]), float(found.rms_by_frequency[k])))
+    return Table(
+        columns=("channel", "critical H, m", "", "peak there", "RMS per m/s", "RMS per m/s, by frequency"),
+        rows=tuple(rows),
+        title="Critical gusts and turbulence",
+        caption="RMS computed twice: from Lyapunov's equation, and by integrating the spectrum of the response.",
     )
-    frequency, density = response_spectra(plant, state)
-    for unit, columns in peaks.items():
+
+
+def _spectra(found: GustLoads, frequency: np.ndarray, density: np.ndarray) -> list[Block]:
+    """Spectral densities of the response, a chart for each unit."""
+    out: list[Block] = []
+    for unit, columns in _by_unit(found.channels, found.peak).items():
         series = tuple(
             Series(name=_plain(found.channels[k]), x=frequency, y=np.where(density[:, k] > 0, density[:, k], np.nan))
             for k in columns[:MOST_CHANNELS]
         )
-        blocks.append(
+        out.append(
             Chart(
-                series=series, x_label="frequency, Hz", y_label=f"spectral density, ({unit})²/Hz", x_log=True,
+                series=series,
+                x_label="frequency, Hz",
+                y_label=f"spectral density, ({unit})²/Hz",
+                x_log=True,
                 y_log=True,
-                title=f"Response to turbulence, {unit}", caption="Peaks are the modes; their height is their damping.",
+                title=f"Response to turbulence, {unit}",
+                caption="Peaks are the modes; the sharper, the less they are damped.",
                 hover="point",
             )
-        )  # fmt: skip
-    return Part(title="Gusts and turbulence", anchor="gusts", blocks=tuple(blocks))
+        )
+    return out
 
 
 #: Units at the end of a channel's name, the longer ones first.
@@ -147,7 +167,12 @@ def envelope_part(case: ReportCase) -> Part:
     V = case.sweep.V
     controller = case.options.controller
     points = envelope(
-        case.file, ALTITUDES, V.tolist(), method=case.method, controller=controller, aero=case.options.aero
+        case.file,
+        ALTITUDES,
+        np.linspace(V[0], V[-1], SPEEDS).tolist(),
+        method=case.method,
+        controller=controller,
+        aero=case.options.aero,
     )
     altitude = np.array([p.altitude for p in points])
     flutter = _first([[i.start for i in p.open_loop if i.kind == "flutter"] for p in points])

@@ -24,6 +24,8 @@ from aeroservo.report.svg_chart import chart_svg, legend_entries
 
 #: Rows that a table shows; all are in its CSV.
 MOST_ROWS = 60
+#: Characters of a text that a cell keeps on one line.
+SHORT = 24
 
 
 class PageBuilder:
@@ -182,7 +184,9 @@ def _is_number(value: Any) -> bool:
 
 
 def _cell(value: Any) -> str:
-    return f"<td{' class=number' if _is_number(value) else ''}>{escape(shown(value))}</td>"
+    text = shown(value)
+    look = " class=number" if _is_number(value) else " class=short" if len(text) <= SHORT else ""
+    return f"<td{look}>{escape(text)}</td>"
 
 
 def _exact(value: Any) -> Any:

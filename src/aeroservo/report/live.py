@@ -113,7 +113,7 @@ def live_data(
         },
         "gust": {"length": gust_length},
         "shapes": _shapes(family, lattice),
-        "scene": scene_data(lattice),
+        "scene": scene_data(lattice) | {"scale": 3.0},
         "largest": 0.5 * span,
         "frequency": frequency,
     }

@@ -19,6 +19,7 @@ Array = NDArray[Any]
 
 #: Classes of colour and of dashes in the style sheet; no two of the first thirty curves are the same.
 COLOURS, DASHES = 6, 5
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Points closer than this are one. [px]
 NEAR = 0.35
 
@@ -121,12 +122,13 @@ def _grid(x: Axis, y: Axis) -> list[str]:
     for value, place in zip(x.ticks(), x.place(np.array(x.ticks()))):
         pieces.append(f'<path class="grid" d="M{place:.1f} {TOP:g}V{HEIGHT - BOTTOM:g}"/>')
         below = HEIGHT - BOTTOM + 16
-        pieces.append(f'<text class="tick" x="{place:.1f}" y="{below:g}" text-anchor="middle">{_tick(value)}</text>')
+        text = _tick(value, x.log)
+        pieces.append(f'<text class="tick" x="{place:.1f}" y="{below:g}" text-anchor="middle">{text}</text>')
     for value, place in zip(y.ticks(), y.place(np.array(y.ticks()))):
         zero = " zero" if value == 0.0 and not y.log else ""
         pieces.append(f'<path class="grid{zero}" d="M{LEFT:g} {place:.1f}H{WIDTH - RIGHT:g}"/>')
         pieces.append(
-            f'<text class="tick" x="{LEFT - 6:g}" y="{place + 4:.1f}" text-anchor="end">{_tick(value)}</text>'
+            f'<text class="tick" x="{LEFT - 6:g}" y="{place + 4:.1f}" text-anchor="end">{_tick(value, y.log)}</text>'
         )
     if not x.log and x.low < 0.0 < x.high:
         place = float(x.place(np.array(0.0)))
@@ -134,8 +136,12 @@ def _grid(x: Axis, y: Axis) -> list[str]:
     return pieces
 
 
-def _tick(value: float) -> str:
-    """A tick's number, with a true minus sign."""
+def _tick(value: float, log: bool = False) -> str:
+    """A tick's number, with a true minus sign; a power of ten where the axis is logarithmic."""
+    if log and value > 0.0 and not 1e-2 <= value < 1e4:
+        power = round(np.log10(value))
+        if abs(value / 10.0**power - 1.0) < 1e-9:
+            return "10" + str(power).translate(RAISED)
     size = abs(value)
     text = f"{value:.6g}" if size == 0.0 or 1e-3 <= size < 1e5 else f"{value:.3g}"
     return text.replace("e+0", "e").replace("e-0", "e-").replace("-", "−")

@@ -43,7 +43,7 @@ GUST_ANGLE = np.radians(1.0)
 """Gust velocity over airspeed in time histories: small, so that linear theory holds."""
 CRUISE_LIFTS = (0.3, 0.25, 0.2, 0.15, 0.1)
 """Lift coefficients of wing polars, trim and span loading, the first for which section polars reach. [-]"""
-GROWN = 3.0
+GROWN = 2.0
 """Growth, as a power of e, after which a run beyond flutter ends."""
 MOST_SPEEDS = 400
 """Speeds of the sweep that figures draw; boundaries do not depend on them."""
@@ -277,7 +277,18 @@ class ReportCase:
 
     @cached_property
     def runs(self) -> tuple[Run, ...]:
-        """Time histories: a gust below and above the boundary, the loop open and closed, and turbulence. [SI]"""
+        """Time histories: a gust below and above the boundary, the loop open and closed, and turbulence.
+
+        Returns
+        -------
+        runs : tuple of Run
+            Each with its history. [SI]
+
+        Raises
+        ------
+        ValueError
+            If nothing disturbs the model.
+        """
         return tuple(_runs(self))
 
     @cached_property
@@ -319,8 +330,7 @@ def report_case(name: str | Path, options: ReportOptions) -> ReportCase:
 
 def _digest(array: Array | None) -> str:
     """Hash of an array, whatever the machine's byte order."""
-    if array is None:
-        return ""
+    array = np.zeros(0) if array is None else array
     kind = "<c16" if np.iscomplexobj(array) else "<f8"
     return hashlib.sha256(str(np.shape(array)).encode() + np.asarray(array).astype(kind).tobytes()).hexdigest()
 

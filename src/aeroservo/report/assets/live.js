@@ -41,7 +41,7 @@ function createLive(container, data) {
   row("Density, kg/m³", "rho");
   row("Dynamic pressure, Pa", "pressure");
   row("Mach number", "mach");
-  row("Least damped: growth, 1/s", "growth");
+  row("Slowest to decay: growth, 1/s", "growth");
   row("its frequency, Hz", "frequency");
   row("its damping ratio", "damping");
   row("The wing is", "verdict");
@@ -55,11 +55,17 @@ function createLive(container, data) {
   sayClock();
   buttons.append(play, again, rest, el("label", {}, "Clock", clock, clockOut));
 
+  // the root that grows most, or would next: a stable real root (a lag of the air) says nothing
+  const critical = (all) => {
+    const most = (list) => list.reduce((a, b) => (b[0] > a[0] ? b : a));
+    const top = most(all), swinging = all.filter(([re, im]) => Math.abs(im) > 1e-6 * Math.hypot(re, im));
+    return top[0] > 0 || !swinging.length ? top : most(swinging);
+  };
   const digits = (v, n) => (Number.isFinite(v) ? Number(v.toPrecision(n)).toString().replace("-", "−") : "–");
   let timer = 0, root = null;
   function readings() {
     const here = model.at(where), all = model.poles(where);
-    root = all && all.reduce((a, b) => (b[0] > a[0] ? b : a));
+    root = all && critical(all);
     rows.rho.textContent = digits(here.rho, 5);
     rows.pressure.textContent = digits(here.pressure, 5);
     rows.mach.textContent = digits(where.V / model.sound(where.altitude), 4);

@@ -143,7 +143,7 @@ function createWing(container, data, options = {}) {
   }
   const colours = () => {
     const style = getComputedStyle(container), of = (name, other) => new THREE.Color((style.getPropertyValue(name) || other).trim() || other);
-    materials[0].color = of("--c4", "#56b4e9");
+    materials[0].color = of("--wing", "#3a94c9");
     materials[1].color = of("--c1", "#e69f00");
     materials[2].color = of("--line", "#cccccc");
     wire.material.color = of("--ink", "#222222");
@@ -159,7 +159,7 @@ function createWing(container, data, options = {}) {
   const look = (which) => {
     const far = 1.08 * size + (high[2] - low[2]);
     const from = [[-0.95, -0.85, 0.62], [-0.001, 0, 1.15], [1.15, 0, 0.12], [0, 1.15, 0.12]][which];
-    const narrow = Math.max(1, 1.25 / eye.aspect);
+    const narrow = Math.max(1, 1.5 / eye.aspect);
     eye.position.set(middle[0] + far * narrow * from[0], middle[1] + far * narrow * from[1], middle[2] + far * narrow * from[2]);
     if (orbit) { orbit.target.set(...middle); orbit.update(); } else eye.lookAt(...middle);
     state.dirty = true;
@@ -352,6 +352,8 @@ function createWing(container, data, options = {}) {
   const sized = new ResizeObserver(resize);
   sized.observe(view);
   document.addEventListener("themechange", colours);
+  const printed = () => { if (renderer) { pose(); renderer.render(scene, eye); } };
+  addEventListener("beforeprint", printed);
   colours();
   resize();
   look(0);
@@ -373,6 +375,7 @@ function createWing(container, data, options = {}) {
       watch.disconnect();
       sized.disconnect();
       document.removeEventListener("themechange", colours);
+      removeEventListener("beforeprint", printed);
       renderer?.dispose();
       container.replaceChildren();
     },
