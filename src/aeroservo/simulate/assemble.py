@@ -120,7 +120,7 @@ def stepper(model: AeroelasticModel, condition: FlightCondition, controller: Lin
     """
     first = condition[None] if condition.V.ndim == 0 else condition[:1]
     rows = ModelRows(model, controller, first, np.zeros(0))
-    rest = equilibrium(rows)
+    rest = _rest(model, controller, first)
     aero = model.aero
     assert isinstance(aero, RationalAero)
     moved = {a.control: a for a in model.actuators}
@@ -147,6 +147,13 @@ def stepper(model: AeroelasticModel, condition: FlightCondition, controller: Lin
         offsets=np.array([aero.inputs[j].x_offset for j in aero.columns("gust")]),
         equilibrium=rest,
     )
+
+
+def _rest(model: AeroelasticModel, controller: LinearSystem | None, first: FlightCondition) -> Array:
+    """State at rest with an idle controller: it, and sensors that lag, read from there, so their states are zero."""
+    rest = equilibrium(ModelRows(model, None, first, np.zeros(0)))
+    rest = equilibrium(ModelRows(model, None, first, rest))  # measured from the equilibrium, lags are empty
+    return np.concatenate([rest, np.zeros(0 if controller is None else len(controller.states))])
 
 
 def linear_stepper(system: LinearSystem) -> Stepper:
