@@ -304,6 +304,24 @@ def test_saves_a_file_that_read_accepts_and_never_over_another_unasked(tab: Any,
     assert not [path for path in folder.parent.rglob("*out.toml")] and not Path("/tmp/out.toml").exists()
 
 
+def test_the_report_is_of_the_draft(tab: Any, folder: Path) -> None:
+    page = tab()
+    typed(page, STIFFNESS, "470.25")
+    settled(page)
+    page.get_by_role("button", name="Report").click()
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.wait_for_selector("text=wrote", timeout=WAIT)
+    text = (folder / "thesis-binary.html").read_text(encoding="utf-8")
+    expected = python_flutter("thesis-binary", **{STIFFNESS: 470.25})
+    assert "470.25" in text and f"{expected:.4g}" in text
+    page.get_by_role("button", name="Report").click()
+    with page.expect_download(timeout=WAIT) as download:
+        page.get_by_role("button", name="Download instead").click()
+    assert "470.25" in Path(download.value.path()).read_text(encoding="utf-8")
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.wait_for_selector("text=exists already", timeout=WAIT)
+
+
 def test_flights_are_those_of_python_and_can_be_seen(tab: Any) -> None:
     from aeroservo.studio.flight import Flight, fly
 
