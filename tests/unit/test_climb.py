@@ -28,7 +28,7 @@ def study():  # type: ignore[no-untyped-def]
 
 
 def test_schedules_reach_105_m_s(study) -> None:  # type: ignore[no-untyped-def]
-    """Issue 7: 15 of 20 seeds with the full-state schedule; here all of three, and the gyro and the adaptive one too."""
+    """Issue 7: 15 of 20 seeds with the full-state schedule; here three of three, the gyro and the adaptive one too."""
     names = [(r.controller, round(math.degrees(r.limit))) for r in study.runs]
     assert names == [(name, limit) for limit in (20, 15) for name in ("full state", "gyro", "adaptive")]
     for runs in study.runs[:3]:
