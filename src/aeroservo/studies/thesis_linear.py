@@ -79,6 +79,12 @@ class Appendix:
     least_return: float
     integrals: tuple[int, int]
 
+    @property
+    def least_damped(self) -> tuple[complex, complex, complex]:
+        """Rightmost root, upper half plane, of A, of A - B K, of A without its hidden loop. [1/s]"""
+        found = [max(r, key=lambda s: (s.real, s.imag)) for r in (self.open_roots, self.closed_roots, self.bare_roots)]
+        return complex(found[0]), complex(found[1]), complex(found[2])
+
 
 def appendix_system() -> LinearSystem:
     """The preset `thesis-appendix` as a linear system.

@@ -2,7 +2,8 @@
 
 A case is a folder of `aeroservo/cases` with a `runs.toml`: which model, which analysis with which options, which
 quantity against which reference; or which function with which arguments (`case_calls`). Long references may lie in a
-`reference.json` beside it ("@key"). A new case is such a folder and no code.
+`reference.json` beside it ("@key"), model files too (a `model` that ends in .toml). What cannot be computed yet is
+listed under `[[not_yet]]`. A new case is such a folder and no code.
 """
 
 from __future__ import annotations
@@ -76,6 +77,31 @@ class Check:
         return self.difference is not None and abs(self.difference) <= self.tolerance
 
 
+@dataclass(frozen=True, kw_only=True)
+class NotYet:
+    """A published number that this version cannot compute.
+
+    Attributes
+    ----------
+    name : str
+        Case, and what it is.
+    quantity : str
+        What would be compared.
+    reference : str
+        The published value.
+    why : str
+        What is missing.
+    citation : str
+        Where the reference is from.
+    """
+
+    name: str
+    quantity: str
+    reference: str
+    why: str
+    citation: str
+
+
 def cases() -> tuple[str, ...]:
     """Names of the cases that can be re-run.
 
@@ -111,15 +137,49 @@ def validate(case: str | None = None, *, progress: Callable[[str], None] | None 
         raise ValueError(f"no case named {case[:60]!r}; the cases are {', '.join(cases())}")
     found: list[Check] = []
     for name in cases() if case is None else (case,):
-        content = tomllib.loads((CASES / name / "runs.toml").read_text(encoding="utf-8"))
+        content = _content(name)
         stored = CASES / name / "reference.json"
         data = json.loads(stored.read_text(encoding="utf-8")) if stored.exists() else {}
         for run in content["run"]:
             label = f"{name}: {run['what']}"
+            if str(run.get("model", "")).endswith(".toml"):
+                run["model"] = str(CASES / name / run["model"])
             if progress is not None:
                 progress(label)
             found += checked(label, run, content["citation"], data)
     return tuple(found)
+
+
+def not_yet_computed(case: str | None = None) -> tuple[NotYet, ...]:
+    """Published numbers that cases hold and this version cannot compute.
+
+    Parameters
+    ----------
+    case : str, optional
+        One case; all if left out.
+
+    Returns
+    -------
+    missing : tuple of NotYet
+        In the order of the case files.
+    """
+    return tuple(
+        NotYet(
+            name=f"{name}: {entry['what']}",
+            quantity=entry["quantity"],
+            reference=entry["reference"],
+            why=entry["why"],
+            citation=content["citation"],
+        )
+        for name in (cases() if case is None else (case,))
+        for content in (_content(name),)
+        for entry in content.get("not_yet", [])
+    )
+
+
+def _content(name: str) -> dict[str, Any]:
+    """The case file."""
+    return tomllib.loads((CASES / name / "runs.toml").read_text(encoding="utf-8"))
 
 
 def checked(label: str, run: dict[str, Any], citation: str, data: dict[str, Any]) -> list[Check]:
@@ -205,6 +265,7 @@ def _flutter(run: dict[str, Any]) -> dict[str, Any]:
     intervals |= {f"unstable_to_m_s[{i}]": interval.end for i, interval in enumerate(result.intervals)}
     return intervals | {
         "flutter_speed_m_s": V,
+        "flutter_dynamic_pressure_Pa": None if V is None else 0.5 * float(result.condition.rho[0]) * V**2,
         "flutter_frequency_rad_s": omega,
         "flutter_reduced_frequency": None if V is None or omega is None else omega * model.aero.b / V,
         "divergence_speed_m_s": result.divergence_speed,
