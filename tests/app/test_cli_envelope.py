@@ -160,3 +160,13 @@ def test_flutter_with_a_controller(cli: Cli, tmp_path: Path) -> None:
         refused = cli(*words, *option)
         assert (refused.code, refused.out) == (2, "")
         assert "--controller" in refused.err
+
+
+def test_gusts_without_a_controller_on_sampled_air_forces(cli: Cli) -> None:
+    """The air forces are fitted for the simulation: below flutter a beam wing outlives the gust, above it does not."""
+    answer = cli(
+        "envelope", "goland", "--altitudes", "0", "--speeds", "100:180:40", "--gusts", "100:180:80", "--largest-gust",
+        "1", "--json",
+    )  # fmt: skip
+    gusts = answer.json["altitudes"][0]["largest_gust"]
+    assert [(g["at_least"], g["amplitude_m_s"]) for g in gusts] == [(True, 1.0), (False, 0.0)]

@@ -174,7 +174,8 @@ def envelope(
         raise ValueError("an envelope needs one altitude or more [m]")
     sweeps = [FlightCondition.at(float(a), V=np.asarray(speeds, dtype=float)) for a in altitudes]
     model = build(file, aero)
-    rational = model if controller is None else prepared(model, P(fit_bound=fit_bound))[0]
+    alone = controller is None and gusts is None
+    rational = model if alone else prepared(model, P(fit_bound=fit_bound))[0]
     if controller is not None:
         loop_plant(rational, sweeps[0][:1], controller)  # refuse before any work
     header = _header(file, altitudes, speeds, method, controller, aero, margin, gusts)
