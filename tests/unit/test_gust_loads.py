@@ -119,6 +119,35 @@ def test_peaks_against_the_exact_functions_by_fft(H: float, dt: float) -> None:
         assert found.peak[0, plant.outputs.index("tip_plunge_m")] == pytest.approx(exact, rel=bound)
 
 
+def test_lumps_beyond_the_root_count_and_those_at_it_do_not() -> None:
+    """An engine half way out is in shear and moments; a fuselage at the root is inboard of the cut."""
+    file = read("goland")
+    bare, _ = with_loads(file)
+    lumps = (
+        {"y_m": 3.0, "x_m": -0.4, "mass_kg": 20.0, "inertia_kg_m2": 1.5},
+        {"y_m": 0.0, "x_m": 0.0, "mass_kg": 500.0, "inertia_kg_m2": 9.0},
+    )
+    with_lumps = type(file).model_validate(file.model_dump() | {"wing": file.wing.model_dump() | {"mass": lumps}})
+    model, loads = with_loads(with_lumps)
+    assert loads is not None and bare.modes.n == model.modes.n
+    np.testing.assert_allclose(loads.inertia[0] * STANDARD_GRAVITY, model.loads.weight, rtol=1e-9)  # root: h = 0 there
+    found = beam_modes(beam_wing(with_lumps).beam, n=2, points=np.linspace(0.0, 0.05, 5), elements=40)
+    for j in range(2):
+        bend = np.polynomial.polynomial.polyfit(found.y, found.slope[:, j], 4)[1]
+        assert -(found.omega[j] ** 2) * loads.inertia[1, j] == pytest.approx(-9.773e6 * bend, rel=1e-4)
+
+
+def test_notes_of_speed_and_springs() -> None:
+    """Beyond Mach 0.3, and a section whose springs are not straight."""
+    fast, _ = plant_of("goland", 110.0)
+    assert "speeds above Mach 0.3: incompressible theory" in fast.notes
+    file = read("nasa-typical-section")
+    bent = file.section.model_dump() | {"nonlinear": {"pitch_stiffness_polynomial": [1.0, 0.0, 3.0]}}
+    model, _ = with_loads(type(file).model_validate(file.model_dump() | {"section": bent}))
+    assert model.springs
+    assert any("nonlinear springs" in note for note in gust_plant(model, FlightCondition(V=30.0, rho=1.0)).notes)
+
+
 def test_springs_of_sections() -> None:
     """Their forces are K q."""
     for name, force in (("nasa-typical-section", "plunge_spring_N_per_m"), ("bact", "plunge_spring_N")):

@@ -127,6 +127,10 @@ def gust_plant(
     A, B, B_rate = rows[:n, :n], rows[:n, n : n + m], rows[:n, n + m : live]
     out = rows[n:]
     if not isinstance(model, LinearSystem):
+        if np.all(model.aero.mach == 0.0) and float(condition.mach) > 0.3:
+            notes.append("speeds above Mach 0.3: incompressible theory")
+        if model.springs or model.lift_curve is not None:
+            notes.append("nonlinear springs and stall are left out: it is the linear response about the equilibrium")
         extra, more = _tip_and_loads(model, condition, s, rows, loads)
         out, names = np.concatenate([out, extra]), [*names, *more]
     C, D, rate = out[:, :n], out[:, n : n + m], out[:, n + m : live]
