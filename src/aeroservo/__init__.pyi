@@ -29,6 +29,22 @@ from .aircraft.files import new as new
 from .aircraft.files import presets as presets
 from .aircraft.files import read as read
 from .aircraft.overrides import override as override
+from .control.closed_loop import closed_loop as closed_loop
+from .control.controller import Controller as Controller
+from .control.controller import read_controller as read_controller
+from .control.controller import write_controller as write_controller
+from .control.disk_margins import disk_margin as disk_margin
+from .control.lqg import LQG as LQG
+from .control.lqi import LQI as LQI
+from .control.lqr import LQR as LQR
+from .control.margins import loop_margins as loop_margins
+from .control.pid import PID as PID
+from .control.plant import design_plant as design_plant
+from .control.plant import sampled_plant as sampled_plant
+from .control.poles import PolePlacement as PolePlacement
+from .control.schedule import design_schedule as design_schedule
+from .control.synthesis import synthesise as synthesise
+from .control.zeros import transmission_zeros as transmission_zeros
 from .datatypes import AeroelasticModel as AeroelasticModel
 from .datatypes import AeroInput as AeroInput
 from .datatypes import FlightCondition as FlightCondition
@@ -45,6 +61,8 @@ from .structure.beam import beam_modes as beam_modes
 from .structure.modal import NaturalModes as NaturalModes
 from .structure.modal import natural_modes as natural_modes
 from .studies.aircraft_aero import aircraft_coefficients as aircraft_coefficients
+from .studies.envelope import envelope as envelope
+from .studies.gust_loads import gust_loads as gust_loads
 from .studies.methods import compare_methods as compare_methods
 from .studies.surface import damping_surface as damping_surface
 
