@@ -213,6 +213,7 @@ def test_too_little_excitation_is_not_identifiable_however_sharp_the_estimate() 
     run = fly(climb_model(lift_effect=0.7, moment_effect=0.7), made, turbulence=1.0, duration=6.0)
     assert run.adaptation is not None
     assert not np.any(run.adaptation["identified"]) and np.all(run.adaptation["gain"] == 1.0)
+    assert run.warnings[-1].startswith("the effect of the controls was not identifiable during 100 % of the run")
 
 
 def test_pieces_of_a_run_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:

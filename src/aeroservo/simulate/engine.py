@@ -183,6 +183,7 @@ def _result(p: Prepared, state: RunState, done: int, code: int, row: int, data: 
         columns = [data, *(values(t)[:, None] for _, values in extra)]
         history = TimeHistory(t=t, data=np.concatenate(columns, axis=1), channels=tuple(names), events=tuple(events))
     noisy = p.scenario.turbulence is not None or bool(np.any(state.noise)) or profile.moving
+    told = _adaptation(p, state, at)
     outcome = Outcome(growth=None, limit_cycle=None, bounded=code == 0)
     if history is not None:
         outcome = judge(history, s, p.scenario, failed=code != 0, noisy=noisy)
@@ -202,8 +203,8 @@ def _result(p: Prepared, state: RunState, done: int, code: int, row: int, data: 
         dt=p.dt,
         substeps=p.substeps,
         halving=p.halving,
-        warnings=p.warnings,
-        adaptation=_adaptation(p, state, at),
+        warnings=(*p.warnings, *_unidentified(told)),
+        adaptation=told,
     )
 
 
@@ -215,6 +216,16 @@ def _adaptation(p: Prepared, state: RunState, at: float) -> TimeHistory | None:
     step = p.dt * p.period
     data = np.concatenate(state.adapted)[: int(at / step + 1e-6) + 1]
     return TimeHistory(t=step * np.arange(len(data)), data=data, channels=a.channels)
+
+
+def _unidentified(told: TimeHistory | None) -> tuple[str, ...]:
+    """What the supervisor of an adaptation has to say at the end."""
+    if told is None or np.all(told["identified"]):
+        return ()
+    part = 100.0 * float(np.mean(told["identified"] == 0.0))
+    return (
+        f"the effect of the controls was not identifiable during {part:.3g} % of the run: the schedule flew as it is",
+    )
 
 
 def _flight(profile: Profile) -> list[tuple[str, Callable[[Array], Array]]]:
