@@ -175,7 +175,7 @@ def shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.5g}".replace("e+0", "e").replace("e-0", "e-").replace("-", "−")
+        return f"{value + 0.0:.5g}".replace("e+0", "e").replace("e-0", "e-").replace("-", "−")
     return str(value)
 
 

@@ -56,14 +56,15 @@ def summary_part(case: ReportCase) -> Part:
         ),
     ]
     notes = [*case.file.problems(), *found.warnings, *statics.warnings]
-    blocks += [Prose(text=note, kind="warning") for note in dict.fromkeys(notes)]
+    told = [note for note in dict.fromkeys(notes) if not note.startswith("assumed: ")]  # those stand in the next part
     beyond = [
         f"{name} at {speed:.4g} m/s lies beyond Mach 0.3, where incompressible air forces err: take it as a sign, not "
         "as a number"
         for name, speed in (("Flutter", V), ("Divergence", found.divergence_speed))
         if speed is not None and speed > MACH_LIMIT * case.a_sound
     ]
-    blocks += [Prose(text=text, kind="warning") for text in beyond if not notes]
+    if told + beyond:
+        blocks.append(Prose(text="\n\n".join(told + beyond), kind="warning"))
     rows = tuple(
         (i.kind, i.mode, i.start, i.end, i.frequency / (2 * np.pi) if i.frequency else None) for i in found.intervals
     )

@@ -41,9 +41,9 @@ function createLive(container, data) {
   row("Density, kg/m³", "rho");
   row("Dynamic pressure, Pa", "pressure");
   row("Mach number", "mach");
-  row("Slowest to decay: growth, 1/s", "growth");
-  row("its frequency, Hz", "frequency");
-  row("its damping ratio", "damping");
+  row("Growth rate, 1/s", "growth");
+  row("Frequency, Hz", "frequency");
+  row("Damping ratio ζ", "damping");
   row("The wing is", "verdict");
   const play = el("button", { type: "button", class: "play", "aria-pressed": "false" }, "Play");
   const again = el("button", { type: "button", class: "gust" }, "Gust now");

@@ -5,6 +5,8 @@
   page.scenes = [];
   page.live = [];
   const begin = (box) => {
+    if (box.started) return;
+    box.started = true;
     const stage = box.querySelector(".stage");
     if (box.dataset.scenes !== undefined) page.scenes[box.dataset.scenes] = createWing(stage, page.data.scenes[box.dataset.scenes]);
     else page.live[box.dataset.live] = createLive(stage, page.data.live[box.dataset.live]);
@@ -13,4 +15,5 @@
     for (const e of entries) if (e.isIntersecting) { watch.unobserve(e.target); begin(e.target); }
   }, { rootMargin: "300px" });
   document.querySelectorAll(".moving").forEach((box) => watch.observe(box));
+  addEventListener("beforeprint", () => document.querySelectorAll(".moving").forEach(begin)); // paper shows them all
 })();

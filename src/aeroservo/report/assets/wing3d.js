@@ -359,6 +359,7 @@ function createWing(container, data, options = {}) {
   look(0);
   if (!live && sources.length) select(options.select || 0);
   if (modes && !live) setSpeed(modes.start || 0);
+  if (renderer) { pose(); renderer.render(scene, eye); } // paper and pictures wait for no frame
   requestAnimationFrame(frame);
   return {
     element: container, names, readout,
