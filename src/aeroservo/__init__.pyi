@@ -8,11 +8,11 @@ from .aero.strip import strip_aero as strip_aero
 from .aero.theodorsen import section_air as section_air
 from .aero.theodorsen import theodorsen_function as theodorsen_function
 from .aero.vlm import VortexLattice as VortexLattice
+from .aeroelastic.branches import Interval as Interval
 from .aeroelastic.build import build as build
 from .aeroelastic.flutter import PK as PK
 from .aeroelastic.flutter import FlutterResult as FlutterResult
 from .aeroelastic.flutter import G as G
-from .aeroelastic.flutter import Interval as Interval
 from .aeroelastic.flutter import K as K
 from .aeroelastic.flutter import P as P
 from .aeroelastic.flutter import flutter as flutter
