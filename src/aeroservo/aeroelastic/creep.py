@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from aeroservo.aeroelastic.linear import displacement_free
+from aeroservo.aeroelastic.stability import Boundary
 from aeroservo.aeroelastic.static import divergence, elastic_stiffness, reversal
 from aeroservo.aeroelastic.static_speed import StaticSpeed
 from aeroservo.datatypes import AeroelasticModel, Array, FlightCondition, ModalModel
@@ -20,6 +22,9 @@ POINTS = 400
 
 LONGEST = 1e3
 """Creep is followed for so many of its longest time constants."""
+
+NEAR = 0.7
+"""Least part of the speed at which a slow root is seen to grow, at which it may have begun to."""
 
 SLOWEST = 1e-9
 """A growth slower than this part of the slowest relaxation counts as no faster than that."""
@@ -219,6 +224,44 @@ def creep_time(model: AeroelasticModel, condition: FlightCondition, *, twist: fl
             for i, V in enumerate(condition.V)
         ]
     )
+
+
+def at_creep_divergence(model: AeroelasticModel, condition: FlightCondition, changes: list[Boundary]) -> list[Boundary]:
+    """Boundaries with the onset of creep where it is: growth just above it is slower than roots can be told from zero.
+
+    Parameters
+    ----------
+    model : AeroelasticModel
+        Viscoelastic, in the modes whose roots were searched.
+    condition : FlightCondition
+        One condition, for density and speed of sound.
+    changes : list of Boundary
+        As `boundaries` found them, in order of speed.
+
+    Returns
+    -------
+    changes : list of Boundary
+        The first real root's loss of stability moved to det(K - q_bar Q(0)) = 0 with the long-term K, in order.
+
+    References
+    ----------
+    equations.md, "Static aeroelasticity" [7.6], with the long-term moduli.
+
+    Examples
+    --------
+    >>> from aeroservo.aeroelastic.build import build
+    >>> from aeroservo.aircraft.files import read
+    >>> at_creep_divergence(build(read("goland")), FlightCondition.at(0.0, V=1.0), [])
+    []
+    """
+    first = next((b for b in changes if b.kind == "real" and b.opens), None)
+    if first is None or np.any(displacement_free(model.modes, model.aero)):
+        return changes
+    V = divergence(replace(model, statics=None), condition).V
+    if V is None or not NEAR * first.V <= V <= first.V:
+        return changes
+    moved = [replace(b, V=V) if b is first else b for b in changes]
+    return sorted(moved, key=lambda boundary: boundary.V)
 
 
 def _first(motion: _Creep, twist: float, incidence: float) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from aeroservo.aero.rational import RationalFit, fit_rational
 from aeroservo.aeroelastic.branches import Branches, Interval, follow_branches, unstable_intervals
+from aeroservo.aeroelastic.creep import at_creep_divergence
 from aeroservo.aeroelastic.kmethod import k_boundaries, k_curves
 from aeroservo.aeroelastic.pk import frequency_roots
 from aeroservo.aeroelastic.roots import RootSet, frequency_scale, p_roots, p_values, slowest
@@ -192,6 +193,8 @@ def flutter(model: AeroelasticModel, sweep: FlightCondition, method: Method = PK
     values_at = remembered(fresh_values)
     mesh = np.union1d(sweep.V, np.linspace(sweep.V[0], sweep.V[-1], SEARCH_POINTS))
     changes = boundaries(values_at, mesh, values_at(mesh), scale)
+    if model.modes.relaxing:
+        changes = at_creep_divergence(model, sweep[0], changes)
     if isinstance(method, K):
         found = [b for b in changes if b.kind == "real"] + k_boundaries(model, sweep)
         changes = sorted(found, key=lambda boundary: boundary.V)

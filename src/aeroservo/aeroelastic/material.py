@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from aeroservo.aircraft.schema_material import PronySeries, ViscoelasticTable
-from aeroservo.structure.viscoelastic import Prony, Viscoelastic, wlf_shift
+from aeroservo.structure.viscoelastic import TIMES, Prony, Viscoelastic, wlf_shift
 
 
 def material(table: ViscoelasticTable | None) -> Viscoelastic | None:
@@ -17,12 +19,13 @@ def material(table: ViscoelasticTable | None) -> Viscoelastic | None:
     Returns
     -------
     material : Viscoelastic or None
-        None where the structure is elastic.
+        None where the structure is elastic. Times are held between 1e-7 and 1e6 s, which no analysis can tell from
+        "at once" and "never".
 
     Raises
     ------
     ValueError
-        If the temperature is outside WLF, or leaves times that no analysis can tell from "at once" or "never".
+        If the temperature is outside WLF.
 
     References
     ----------
@@ -49,4 +52,4 @@ def _series(series: PronySeries | None, factor: float) -> Prony:
     """Shifted series; none is elastic."""
     if series is None:
         return Prony()
-    return Prony(ratios=series.ratios, times=tuple(factor * time for time in series.times_s))
+    return Prony(ratios=series.ratios, times=tuple(float(np.clip(factor * time, *TIMES)) for time in series.times_s))

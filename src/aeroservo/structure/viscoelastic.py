@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from aeroservo.datatypes import Array, Relaxation
 
 #: Relaxation times that analyses can tell apart from "at once" and "never". [s]
-TIMES = (1e-7, 1e8)
+TIMES = (1e-7, 1e6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +110,7 @@ def wlf_shift(temperature: ArrayLike, *, reference: float, C1: float, C2: float)
         raise ValueError(
             f"temperature must be above {reference - C2:g}, the reference less C2, for WLF, got {np.min(temperature):g}"
         )
-    return np.asarray(10.0 ** (-C1 * rise / (C2 + rise)))
+    return np.asarray(10.0 ** np.clip(-C1 * rise / (C2 + rise), -300.0, 300.0))
 
 
 def complex_modulus(prony: Prony, s: ArrayLike) -> Array:
