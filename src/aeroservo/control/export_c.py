@@ -47,8 +47,8 @@ def c_source(controller: Controller, *, name: str = "controller") -> str:
 
     References
     ----------
-    ISO/IEC 9899:1999, section 6; contract.md, "Controller file (JSON)"; K. J. Åström and B. Wittenmark, Computer-Controlled
-    Systems, 1997, section 9.4.
+    ISO/IEC 9899:1999, section 6; contract.md, "Controller file (JSON)"; K. J. Åström and B. Wittenmark,
+    Computer-Controlled Systems, 1997, section 9.4.
 
     Examples
     --------
