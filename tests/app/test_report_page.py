@@ -79,6 +79,12 @@ class Opened:
             self.page.wait_for_timeout(50)
         raise AssertionError(f"never true: {script}")
 
+    def drawn(self, scene: int) -> None:
+        """Wait for two frames of the page: what was asked for is drawn."""
+        script = "() => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => r(true))))"
+        assert self.page.evaluate(script)
+        assert self.page.evaluate(f"aeroservoPage.scenes[{scene}].frames") > 0
+
     def show(self, anchor: str) -> None:
         self.page.evaluate(f"document.getElementById('{anchor}').scrollIntoView()")
 
@@ -193,7 +199,7 @@ def test_sliders_say_what_python_says(case: ReportCase, report: Path, opened: Ca
     for name, value in (("V", 30.0), ("V", 50.0), ("altitude", 4000.0), ("factor", 0.7)):
         state[name] = value
         o.slide(f"input[name={name}]", value)
-        o.page.wait_for_timeout(200)
+        o.until("aeroservoPage.live[0].settled")
         rho, pressure, root = expected(case, **state)
         assert number("rho") == pytest.approx(rho, rel=READ)
         assert number("pressure") == pytest.approx(pressure, rel=READ)
@@ -202,7 +208,7 @@ def test_sliders_say_what_python_says(case: ReportCase, report: Path, opened: Ca
         assert ("unstable" in o.page.inner_text("dd[data-name=verdict]")) == (root.real > 0.0)
     assert root.real > 0.0
     o.page.check("input[name=on]")
-    o.page.wait_for_timeout(200)
+    o.until("aeroservoPage.live[0].settled")
     assert number("growth") < 0.0 and o.page.inner_text("dd[data-name=verdict]") == "stable"
 
 
@@ -252,16 +258,16 @@ def test_play_moves_the_mesh_and_pause_stops_it(report: Path, opened: Callable[.
     box = o.page.locator("#modes .moving")
     start = o.page.evaluate(places)
     box.locator("button.play").click()
-    o.page.wait_for_timeout(500)
-    moved = o.page.evaluate(places)
-    assert np.abs(np.subtract(moved, start)).max() > 1e-3
+    o.page.evaluate("(p) => { window.began = p; }", start)
+    o.until(f"{places}.some((v, i) => Math.abs(v - began[i]) > 1e-3)")
     box.locator("button.play").click()
-    o.page.wait_for_timeout(150)
+    assert not o.page.evaluate("aeroservoPage.scenes[0].playing")
+    o.drawn(0)
     held = o.page.evaluate(places)
-    o.page.wait_for_timeout(200)
+    o.page.wait_for_timeout(300)
     assert o.page.evaluate(places) == held
     o.page.evaluate("aeroservoPage.scenes[0].setSpeed(3)")
-    o.page.wait_for_timeout(200)
+    o.drawn(0)
     assert o.page.evaluate(places) != held
     o.page.focus("#modes canvas")
     o.page.keyboard.press("Space")
@@ -278,7 +284,7 @@ def test_a_replay_stands_where_its_history_says(case: ReportCase, report: Path, 
     lattice = lattice3d(case.file, case.model)
     t = 0.4 * float(history.t[-1])
     o.page.evaluate(f"aeroservoPage.scenes[1].setScale(1), aeroservoPage.scenes[1].seek({t})")
-    o.page.wait_for_timeout(250)
+    o.drawn(1)
     values = [np.interp(t, history.t, history[c]) for c in ("plunge_m", "pitch_rad")]
     true = lattice.points + np.einsum("j,jpk->pk", values, lattice.shapes[:2])
     here = np.array(o.page.evaluate("aeroservoPage.scenes[1].positions()")).reshape(-1, 3)

@@ -80,7 +80,7 @@ function createLive(container, data) {
   function changed() {
     run.set({ V: where.V, altitude: where.altitude, factor: where.factor, on: where.on });
     clearTimeout(timer);
-    timer = setTimeout(readings, 30);
+    timer = setTimeout(() => { timer = 0; readings(); }, 30);
   }
   const values = new Float32Array(wing.names.length);
   const history = [];
@@ -165,6 +165,7 @@ function createLive(container, data) {
     play() { playing = true; play.textContent = "Pause"; play.setAttribute("aria-pressed", "true"); },
     pause() { playing = false; play.textContent = "Play"; play.setAttribute("aria-pressed", "false"); },
     get root() { return root; },
+    get settled() { return timer === 0; },
     get playing() { return playing; },
   };
   readings();
