@@ -30,7 +30,7 @@ from aeroservo.studio.flight import Flight, Run, fly, regulator
 from aeroservo.studio.guard import allowed
 from aeroservo.studio.layout import text_of
 from aeroservo.studio.pool import Died, Pool, Refused
-from aeroservo.studio.worker import HEADER, Job, serve
+from aeroservo.studio.worker import HEADER, Job, compute, serve
 
 HERE = Path(".")
 QUICK = 1e-9
@@ -209,6 +209,16 @@ def test_only_this_machines_own_page_is_answered() -> None:
 def job(what: Any = "analyse", name: str = "thesis-binary", options: Any = None, text: str | None = None) -> Job:
     source = opened(name, HERE)
     return Job(what=what, text=source.text if text is None else text, path=source.path, options=options or Air())
+
+
+def test_the_report_is_that_of_the_model_that_is_edited() -> None:
+    told: list[str] = []
+    options = Air(altitude=1000.0, aero="jones")
+    text = opened("thesis-binary", HERE).text.replace("413.2 ", "470.25 ")
+    page = compute(job("report", options=options, text=text), lambda what, part: told.append(what), lambda _: None)
+    assert page.startswith(b"<!") and b"470.25" in page
+    assert b"--altitude 1000 --aero jones" in page
+    assert told[0] == "report: reading the model" and any("Flutter" in line for line in told)
 
 
 def answers(*messages: Any) -> list[Any]:
