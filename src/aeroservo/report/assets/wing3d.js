@@ -5,6 +5,17 @@ Everything that moves is linear: places = points + scale * sum of value * shape,
 and the angles of the controls. A mode is Re(shape e^(i phase)), a history is values over time, a live simulation sets
 the values itself (`setState`). Returns an object with play, pause, seek, select, setSpeed, setScale, setState, dispose
 and readings for tests: frames (drawn so far), positions(), time, playing. */
+let drawnBySoftware = null;
+function bySoftware() { // whether this browser has no graphics card to draw with; asked once
+  if (drawnBySoftware === null) {
+    const gl = document.createElement("canvas").getContext("webgl2");
+    const names = gl && gl.getExtension("WEBGL_debug_renderer_info");
+    const name = gl ? String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
+    drawnBySoftware = /swiftshader|llvmpipe|softpipe|software/i.test(name);
+    gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+  return drawnBySoftware;
+}
 function createWing(container, data, options = {}) {
   const live = Boolean(options.live);
   const names = data.shapes.map((s) => s.name), order = new Map(names.map((n, k) => [n, k]));
@@ -58,10 +69,10 @@ function createWing(container, data, options = {}) {
   controls.append(camera, reset);
 
   // the picture
-  let renderer = null;
+  let renderer = null, ratio = bySoftware() ? 0.85 : Math.min(devicePixelRatio || 1, 1.5);
   try {
     const canvas = document.createElement("canvas"); // opaque and square: with blending or round corners a page drawn
-    const context = canvas.getContext("webgl2", { alpha: false, antialias: true, stencil: false }); // by software halves its rate
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: !bySoftware(), stencil: false }); // by software halves its rate
     renderer = new THREE.WebGLRenderer({ canvas, context });
   } catch {
     view.append(el("p", { class: "no-view" }, "This browser draws no WebGL, so the three-dimensional view is left out."));
@@ -127,7 +138,8 @@ function createWing(container, data, options = {}) {
   const sheetLine = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.45 });
   const a = new THREE.Mesh(airGeometry, sheetPaint), b = new THREE.LineSegments(airEdges, sheetLine);
   a.frustumCulled = b.frustumCulled = false;
-  sheet.add(a, b);
+  sheet.add(b);
+  if (!bySoftware()) sheet.add(a); // a large transparent face costs a software renderer a quarter of its frames
   sheet.visible = false;
   scene.add(sheet);
   let gustGain = 0, gustAt = () => 0, gustSpeed = 1;
@@ -175,7 +187,7 @@ function createWing(container, data, options = {}) {
     state.dirty = true;
   };
   if (renderer) {
-    renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 1.5));
+    renderer.setPixelRatio(ratio);
     const canvas = renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -318,7 +330,7 @@ function createWing(container, data, options = {}) {
   playButton.addEventListener("click", toggle);
   pick.addEventListener("change", () => select(pick.selectedIndex));
 
-  let slow = 0, ratio = Math.min(devicePixelRatio || 1, 1.5);
+  let slow = 0;
   function frame(now) {
     if (!state.alive) return;
     requestAnimationFrame(frame);
