@@ -194,6 +194,12 @@ def test_bad_input_is_told_beside_its_field(tab: Any) -> None:
     assert all("give exactly one of" in beside(page, name) for name in (STIFFNESS, "wing.GJ_N_m2"))
     assert beside(page, "wing.EI_N_m2") == ""
     typed(page, "wing.GJ_N_m2", "")
+    page.get_by_role("button", name="add [damping]").click()
+    page.get_by_role("button", name="add [damping.modal]").click()
+    typed(page, "damping.modal.ratios", "0.02, 0.02, 0.02")  # for two modes: only the mechanics can know
+    page.wait_for_function(f"{STATUS}.startsWith('Cannot be computed')", timeout=WAIT)
+    assert "ratios" in beside(page, "damping.modal.ratios")
+    typed(page, "damping.modal.ratios", "0.0, 0.0")
     typed(page, "speeds_m_s", "10, x, 1")
     page.wait_for_function(f"{STATUS}.includes('speeds_m_s[1]')", timeout=WAIT)
     assert beside(page, "speeds_m_s") == "must be a number"

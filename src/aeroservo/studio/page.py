@@ -10,7 +10,7 @@ from nicegui import ui
 
 from aeroservo.aircraft.files import ModelFileError, presets
 from aeroservo.studio.analysis import Air
-from aeroservo.studio.draft import typed
+from aeroservo.studio.draft import Finding, typed
 from aeroservo.studio.folder import files_in
 from aeroservo.studio.form import FormView
 from aeroservo.studio.pool import Pool
@@ -199,6 +199,8 @@ class _Tab:
         self._says.classes(add="ae-bad" if stale else "", remove="" if stale else "ae-bad")
         if session.state == "done":
             self._flights.offer()
+        elif session.state == "refused":  # told by the mechanics: beside the fields that it names
+            self._form.mark((Finding(place=(), message=session.says),))
         self._results.show(session.now, session.before)
 
     def _tell(self, message: str, *, bad: bool = False) -> None:
