@@ -8,6 +8,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 
+class Skipped(Exception):
+    """A benchmark that cannot run here; the text says why."""
+
+
 class Row(NamedTuple):
     """One comparison.
 
@@ -19,12 +23,15 @@ class Row(NamedTuple):
         Median time of ours and of the peer's (or of the physical limit). [s]
     target : float
         Largest ratio that keeps the promise. [-]
+    accuracy : str
+        How far each side's answer is off, or how far they are apart; "" where both do the same arithmetic.
     """
 
     name: str
     own_s: float
     peer_s: float
     target: float
+    accuracy: str = ""
 
     @property
     def ratio(self) -> float:
@@ -37,7 +44,15 @@ class Row(NamedTuple):
         return self.ratio <= self.target
 
 
-def compare(name: str, own: Callable[[], object], peer: Callable[[], object], *, target: float, rounds: int = 9) -> Row:
+def compare(
+    name: str,
+    own: Callable[[], object],
+    peer: Callable[[], object],
+    *,
+    target: float,
+    rounds: int = 9,
+    accuracy: str = "",
+) -> Row:
     """Time two calls in turns, ours and the peer's, and take the median of each.
 
     Turns, not one after the other, because a shared machine drifts: both see the same drift. The first round warms
@@ -53,6 +68,8 @@ def compare(name: str, own: Callable[[], object], peer: Callable[[], object], *,
         Largest ratio of our time to the peer's. [-]
     rounds : int
         Counted rounds.
+    accuracy : str
+        How far each side's answer is off.
 
     Returns
     -------
@@ -66,4 +83,4 @@ def compare(name: str, own: Callable[[], object], peer: Callable[[], object], *,
             call()
             taken.append(time.perf_counter() - start)
     own_s, peer_s = (statistics.median(taken[1:]) for taken in times)
-    return Row(name, own_s, peer_s, target)
+    return Row(name, own_s, peer_s, target, accuracy)

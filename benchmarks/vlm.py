@@ -1,12 +1,11 @@
-"""Vortex lattice against PanelAero's on the same panels, and cost against panel count. Prints ratios of one run.
+"""Vortex lattice against PanelAero's on the same panels; cost against panel count by `python benchmarks/vlm.py`.
 
-python benchmarks/vlm.py            # both tables
-python benchmarks/vlm.py --short    # the comparison only
+PanelAero (pip install PanelAero; in the extra `test`): matrix of a full wing of 16 x 64 panels, its inverse, ten
+right-hand sides. Circulations are compared before anything is timed.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 import tracemalloc
@@ -19,6 +18,7 @@ import numpy as np  # noqa: E402
 from aeroservo.aero.vlm import Lattice, VortexLattice, lattice, lattice_surface  # noqa: E402
 from aeroservo.aero.vlm_normalwash import Normalwash  # noqa: E402
 from aeroservo.aero.vlm_solve import solve_lattice  # noqa: E402
+from benchmarks.side_by_side import Row, Skipped  # noqa: E402
 
 ROOT_CHORD, TIP_CHORD, HALF_SPAN, TIP_OFFSET = 0.7, 0.3, 1.0, 0.5245
 
@@ -64,39 +64,39 @@ def best_of(functions, repeats: int) -> list[float]:
     return [min(taken) for taken in times]
 
 
-def compare(repeats: int = 9) -> None:
-    """Full wing of 16 x 64 panels, ten right-hand sides."""
-    from panelaero import VLM
-
+def measure() -> list[Row]:
+    """Full wing of 16 x 64 panels, ten right-hand sides, with symmetry and without."""
+    try:
+        from panelaero import VLM
+    except ImportError:
+        raise Skipped("PanelAero is not installed: pip install PanelAero") from None
     half, full = wing(16, 32, full=False), wing(16, 32, full=True)
     w_half, w_full = right_hand_sides(half), right_hand_sides(full)
     other = panelaero_grid(full)
-    w = w_full.values
 
     def theirs() -> np.ndarray:
         qjj, _ = VLM.calc_Qjj(other, 0.0)
-        return qjj @ w
+        return qjj @ w_full.values
 
-    only_symmetric = Normalwash(names=w_half.names, values=w_half.values, parity=np.ones(10, dtype=int))
     ours_half = solve_lattice(half, w_half).gamma
     ours_full = solve_lattice(full, w_full).gamma
     # PanelAero returns pressure coefficients: cp = 2 Gamma/(V chord)
     cp = theirs()
-    difference = np.abs(2.0 * ours_full / full.chord[:, None] - cp).max() / np.abs(cp).max()
+    apart = np.abs(2.0 * ours_full / full.chord[:, None] - cp).max() / np.abs(cp).max()
     twin = np.abs(ours_half - ours_full[: len(half)]).max() / np.abs(ours_full).max()
-    runs = (
-        theirs,
-        lambda: solve_lattice(full, w_full),
-        lambda: solve_lattice(half, w_half),
-        lambda: solve_lattice(half, only_symmetric),
+    t_other, t_full, t_half = best_of(
+        (theirs, lambda: solve_lattice(full, w_full), lambda: solve_lattice(half, w_half)), 9
     )
-    t_other, t_full, t_half, t_even = best_of(runs, repeats)
-    print(f"full wing 16 x 64 = {len(full)} panels, matrix + solve, 10 right-hand sides (best of {repeats})")
-    print(f"  PanelAero VLM + inverse               {t_other * 1e3:9.1f} ms     1.0")
-    print(f"  ours, no symmetry                     {t_full * 1e3:9.1f} ms  {t_other / t_full:6.1f} x   (target 3)")
-    print(f"  ours, symmetry, 5 + 5 columns         {t_half * 1e3:9.1f} ms  {t_other / t_half:6.1f} x   (target 15)")
-    print(f"  ours, symmetry, symmetric columns     {t_even * 1e3:9.1f} ms  {t_other / t_even:6.1f} x")
-    print(f"  largest difference from PanelAero {difference:.1e}, half from full {twin:.1e}")
+    return [
+        Row(
+            "full wing 16 x 64, 10 right-hand sides, no symmetry / PanelAero", t_full, t_other, 1.0 / 3.0,
+            f"largest difference of pressures {apart:.1e}",
+        ),
+        Row(
+            "the same with symmetry / PanelAero", t_half, t_other, 1.0 / 15.0,
+            f"half from full {twin:.1e}",
+        ),
+    ]  # fmt: skip
 
 
 def cost() -> None:
@@ -116,9 +116,4 @@ def cost() -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--short", action="store_true", help="comparison only")
-    arguments = parser.parse_args()
-    compare()
-    if not arguments.short:
-        cost()
+    cost()

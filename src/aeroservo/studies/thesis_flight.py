@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from aeroservo.aircraft.files import read
+from aeroservo.control.adaptive import control_adaptation
 from aeroservo.control.controller import Controller, state_feedback
 from aeroservo.control.schedule import ScheduleCheck, schedule_check
 from aeroservo.control.zeros import ZeroCurve, zeros_against_speed
@@ -18,21 +19,21 @@ from aeroservo.simulate.disturbances import CosineGust, Gustiness, SharpGust
 from aeroservo.simulate.engine import Simulation, simulate
 from aeroservo.simulate.profiles import Profile, climb, level
 from aeroservo.simulate.scenario import Scenario, Stepping
+from aeroservo.studies.climb import climb_runs
+from aeroservo.studies.climb_flight import climb_conditions, climb_model, climb_run, climb_scenario, climb_schedule
 from aeroservo.studies.thesis_gains import (
+    CHECKED_SPEEDS,
     DESIGN_SPEED,
     HIGH,
-    SCHEDULE_SPEEDS,
     STATES,
     SWITCH_SPEED,
     bare_wing,
     elevon_effect,
-    full_state_schedule,
     gain_at,
     growth_with_gains,
     lost_at,
     poles_and_zeros,
     root_with_servo,
-    servo_wing,
     thesis_switch,
 )
 
@@ -54,7 +55,7 @@ class Climbed:
     reached : tuple of float
         Speed at which each seed was lost; the last speed of the climb where it was not. [m/s]
     lost : tuple of str or None
-        The channel that left its limit.
+        The channel that left its limit, or why.
     """
 
     first: Simulation
@@ -94,7 +95,7 @@ class Flight:
     peaks : dict of str to ndarray, shape (n_seed, 3)
         Largest plunge up and down [m] and pitch [rad] in turbulence with "lqr" and "schedule".
     climbs : dict of str to Climbed
-        "lqr", "lqr level", "switch", "schedule".
+        "lqr", "lqr level", "switch" as the thesis flies; "schedule", "gyro", "adaptive" with a servo.
     check, check_low : ScheduleCheck
         Frozen stability of the schedule at 10,000 ft and, to the same dynamic pressure, at sea level.
     switch_check : ScheduleCheck
@@ -149,7 +150,7 @@ def thesis_flight(*, seeds: range = SEEDS, progress: Callable[[str], None] | Non
     """
     say = progress or (lambda words: None)
     say("control: gains, roots, zeros")
-    model, servo = bare_wing(), servo_wing()
+    model, servo = bare_wing(), climb_model()
     sound = float(FlightCondition.at(HIGH, V=1.0).a_sound or np.nan)
     speed = {name: mach * sound for name, mach in MACH.items()}
     gain = gain_at(model, DESIGN_SPEED)
@@ -158,9 +159,9 @@ def thesis_flight(*, seeds: range = SEEDS, progress: Callable[[str], None] | Non
         lost[altitude], crossing = lost_at(model, gain, altitude)
         root = crossing if altitude == HIGH else root
     V = np.arange(15.0, 123.01, 0.5)
-    schedule = full_state_schedule(servo)
+    schedule = climb_schedule(servo, "full state")
     switch = thesis_switch(model, speed["manual"])
-    condition, low = FlightCondition.at(HIGH, V=SCHEDULE_SPEEDS), FlightCondition.at(0.0, V=1.0)
+    condition, low = FlightCondition.at(HIGH, V=CHECKED_SPEEDS), FlightCondition.at(0.0, V=1.0)
     same_pressure = FlightCondition.at(0.0, V=np.sqrt(2.0 * condition.q / low.rho))
     other = float(read("thesis-simulation").derived()["comparison_lift_reversal_pressure_Pa"])
     say("time histories with and without control")
@@ -171,10 +172,10 @@ def thesis_flight(*, seeds: range = SEEDS, progress: Callable[[str], None] | Non
         ("lqr", model, feedback, climb()),
         ("lqr level", model, feedback, climb(altitude=(HIGH, HIGH))),
         ("switch", model, switch, climb()),
-        ("schedule", servo, schedule, climb()),
     ):
         say(f"climbs: {name}")
         climbs[name] = climbed(wing, controller, profile, seeds)
+    climbs |= _scheduled(servo, seeds, say)
     K, growth = growth_with_gains(model, gain, V)
     poles, zeros = poles_and_zeros(model, gain, speed["poles"])
     return Flight(
@@ -191,28 +192,8 @@ def thesis_flight(*, seeds: range = SEEDS, progress: Callable[[str], None] | Non
     )  # fmt: skip
 
 
-def gusts_every(duration: float, step: float = 10.0) -> tuple[CosineGust, ...]:
-    """Gusts of 5 m/s and 25 chords at a regular interval.
-
-    Parameters
-    ----------
-    duration : float
-        Of the flight. [s]
-    step : float
-        Between starts; the first starts then. [s]
-
-    Returns
-    -------
-    gusts : tuple of CosineGust
-        1-cosine. [m/s]
-    """
-    return tuple(
-        CosineGust(amplitude=GUST, length=25.0 * CHORD, start=float(t)) for t in np.arange(step, duration, step)
-    )
-
-
 def climbed(model: AeroelasticModel, controller: Controller, profile: Profile, seeds: range) -> Climbed:
-    """Climb and accelerate in turbulence with a gust every 10 s.
+    """Fly a profile in the weather of the climb: turbulence and a gust every 10 s.
 
     Parameters
     ----------
@@ -230,10 +211,7 @@ def climbed(model: AeroelasticModel, controller: Controller, profile: Profile, s
     climbed : Climbed
         Seed 0 with its history, the others by how far they came.
     """
-    scenario = Scenario(
-        profile=profile, duration=profile.duration, controller=controller, gusts=gusts_every(profile.duration),
-        turbulence=Gustiness(level=TURBULENCE),
-    )  # fmt: skip
+    scenario = replace(climb_scenario(model, controller), profile=profile, duration=profile.duration)
     first = None
     reached: list[float] = []
     lost: list[str | None] = []
@@ -244,6 +222,24 @@ def climbed(model: AeroelasticModel, controller: Controller, profile: Profile, s
         lost.append(None if run.limit_left is None else run.limit_left.channel)
     assert first is not None
     return Climbed(first=first, reached=tuple(reached), lost=tuple(lost))
+
+
+def _scheduled(model: AeroelasticModel, seeds: range, say: Callable[[str], None]) -> dict[str, Climbed]:
+    """Climbs of the servo's schedules: full state, gyro alone, and the first with adaptation."""
+    conditions = climb_conditions()
+    full, gyro = (climb_schedule(model, name, conditions) for name in ("full state", "gyro"))
+    found = {}
+    for name, schedule, adaptation in (
+        ("schedule", full, None),
+        ("gyro", gyro, None),
+        ("adaptive", full, control_adaptation(model, full, conditions)),
+    ):
+        say(f"climbs: {name}")
+        runs = climb_runs(model, schedule, name=name, seeds=seeds, adaptation=adaptation)
+        first = climb_run(model, schedule, seed=seeds[0], adaptation=adaptation)
+        lost = tuple(None if loss is None else loss.why for loss in runs.losses)
+        found[name] = Climbed(first=first, reached=runs.reached, lost=lost)
+    return found
 
 
 def _runs(

@@ -2,12 +2,11 @@
 
 Two ways stand side by side. The thesis' way: continuous feedback of the whole state without actuator, gains from
 Q = I, R = 1 at 55 m/s. The sounder way: gains designed at every speed with a servo of 60 rad/s inside, sampled at
-200 Hz with one sample of delay, elevons limited to 20 degrees and 400 degrees a second.
+200 Hz with one sample of delay, elevons limited to 20 degrees and 400 degrees a second (`climb_flight`).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -18,30 +17,26 @@ from aeroservo.aircraft.files import read
 from aeroservo.control.controller import Controller
 from aeroservo.control.lqr import FULL_STATE, LQR
 from aeroservo.control.plant import design_plant
-from aeroservo.control.schedule import design_schedule, switched
+from aeroservo.control.schedule import switched
 from aeroservo.control.zeros import transmission_zeros
 from aeroservo.datatypes import AeroelasticModel, Array, FlightCondition
-from aeroservo.servo import Actuator, Limit
+from aeroservo.servo import Limit
 from aeroservo.simulate.engine import linearised
+from aeroservo.studies.climb_flight import LOST, RATE_HZ, climb_model
 
 HIGH = 3048.0
 """10,000 ft. [m]"""
 DESIGN_SPEED, SWITCH_SPEED = 55.0, 50.0
 """Of the thesis' LQR, and where its adaptive controller takes over. [m/s]"""
-PITCH_LIMIT, PLUNGE_LIMIT = math.radians(20.0), 3.0
+PITCH_LIMIT, PLUNGE_LIMIT = LOST["pitch"], LOST["plunge"]
 """Beyond these an aircraft counts as lost. [rad, m]"""
 STATES = ("plunge_m", "pitch_rad", "plunge_rate_m_s", "pitch_rate_rad_s")
-SERVO = Actuator(
-    control="elevon", omega=60.0, zeta=0.7, limit=math.radians(20.0), rate_limit=math.radians(400.0)
-)  # fmt: skip
 GAINS = ("h", "theta", "h'", "theta'")
 BELOW = 40.0
 """Speeds from here on are looked at for changes of sign: below, the gains are small. [m/s]"""
-RATE = 200.0
-"""Of the sampled controllers. [Hz]"""
 LQR_THESIS = LQR(Q=np.ones(4), R=np.ones(1))
-SCHEDULE_SPEEDS = np.arange(15.0, 130.1, 2.5)
-"""Points of the schedule. [m/s]"""
+CHECKED_SPEEDS = np.arange(15.0, 130.1, 2.5)
+"""At which frozen loops are looked at, and between. [m/s]"""
 
 
 def bare_wing() -> AeroelasticModel:
@@ -54,17 +49,6 @@ def bare_wing() -> AeroelasticModel:
     """
     limits = (Limit(mode="pitch", largest=PITCH_LIMIT), Limit(mode="plunge", largest=PLUNGE_LIMIT))
     return replace(linearised(build(read("thesis-simulation"))), limits=limits)
-
-
-def servo_wing() -> AeroelasticModel:
-    """The same with the servo.
-
-    Returns
-    -------
-    model : AeroelasticModel
-        Preset `thesis-simulation`. [SI]
-    """
-    return replace(bare_wing(), actuators=(SERVO,))
 
 
 def gain_at(model: AeroelasticModel, V: float, altitude: float = HIGH) -> Array:
@@ -185,7 +169,7 @@ def root_with_servo(gain: Array) -> complex:
     root : complex
         The fastest growing one. [1/s]
     """
-    system = design_plant(servo_wing(), FlightCondition.at(HIGH, V=DESIGN_SPEED))
+    system = design_plant(climb_model(), FlightCondition.at(HIGH, V=DESIGN_SPEED))
     rows = [system.outputs.index(name) for name in STATES]
     roots = np.linalg.eigvals(system.A - system.B[:, :1] @ gain @ system.C[rows])
     return complex(roots[int(np.argmax(roots.real + 1e-9 * roots.imag))])
@@ -227,24 +211,6 @@ def elevon_effect(V: Array) -> dict[str, Array]:
     }
 
 
-def full_state_schedule(model: AeroelasticModel) -> Controller:
-    """Full-state LQR by Bryson's rule at every 2.5 m/s, with servo and delay inside.
-
-    Parameters
-    ----------
-    model : AeroelasticModel
-        With its servo.
-
-    Returns
-    -------
-    controller : Controller
-        Scheduled by dynamic pressure. [SI]
-    """
-    return design_schedule(
-        model, FULL_STATE, FlightCondition.at(HIGH, V=SCHEDULE_SPEEDS), rate_Hz=RATE, delay_samples=1.0, sensors=STATES
-    )
-
-
 def thesis_switch(model: AeroelasticModel, V: float) -> Controller:
     """The thesis' adaptive controller: its LQR to 50 m/s, from there on a gain for higher speeds.
 
@@ -264,7 +230,7 @@ def thesis_switch(model: AeroelasticModel, V: float) -> Controller:
     """
     found = []
     for speed, design in ((DESIGN_SPEED, LQR_THESIS), (V, FULL_STATE)):
-        plant = design_plant(model, FlightCondition.at(HIGH, V=speed), rate_Hz=RATE, actuators=False, sensors=STATES)
+        plant = design_plant(model, FlightCondition.at(HIGH, V=speed), rate_Hz=RATE_HZ, actuators=False, sensors=STATES)
         found.append(design(plant).as_controller())
     return switched(found[0], found[1], float(FlightCondition.at(HIGH, V=SWITCH_SPEED).q))
 
