@@ -276,6 +276,25 @@ def test_a_report_of_a_preset_has_all_its_parts(preset: str) -> None:
                 assert block.caption and re.search(r", \S+|\(", block.x_label) and ", " in block.y_label, block.title
 
 
+def test_modes_without_a_grid_lose_their_pictures_and_nothing_else(tmp_path: Path) -> None:
+    model = av.build(av.read("thesis-binary"), "theodorsen")
+    aero, m = model.aero, model.modes
+    names = np.array([i.name for i in aero.inputs])
+    np.savez(
+        tmp_path / "m.npz", M=m.M, D=m.D, K=m.K, k=aero.k, mach=aero.mach, Q=aero.Q, b_m=aero.b,  # type: ignore[union-attr]
+        mode_names=np.array(m.names), input_names=names,
+    )  # fmt: skip
+    text = 'kind = "modal"\nname = "mine"\nspeeds_m_s = [5.0, 100.0, 1.0]\n[modal]\ndata = "m.npz"\n'
+    (tmp_path / "m.toml").write_text(text)
+    case = report_case(tmp_path / "m.toml", ReportOptions())
+    parts = {s.anchor: made(s, case) for s in sections(case)}
+    assert any(isinstance(b, Table) for b in parts["modes"].blocks)
+    assert any(isinstance(b, Failed) and "grid" in b.why for b in parts["modes"].blocks)
+    assert sum(isinstance(b, Chart) for b in parts["flutter"].blocks) == 3
+    assert any(isinstance(b, Chart) for b in parts["simulations"].blocks), parts["simulations"].blocks
+    assert not [b for p in parts.values() for b in p.blocks if isinstance(b, Failed) and "Error" in b.why]
+
+
 def test_figures_show_the_numbers_of_the_results() -> None:
     case = report_case("thesis-binary", ReportOptions(altitude=3048.0))
     parts = {s.anchor: made(s, case) for s in sections(case)[:6]}

@@ -14,10 +14,10 @@ from aeroservo.control.controller import Controller
 from aeroservo.control.disk_margins import DiskMargin, disk_margin
 from aeroservo.control.margins import LoopMargin, loop_margins
 from aeroservo.datatypes import FlightCondition, LinearSystem
-from aeroservo.report.blocks import Block, Chart, Failed, LivePanel, Mark, Part, Prose, Scene, Series, Table
+from aeroservo.report.blocks import Block, Chart, Failed, LivePanel, Mark, Part, Prose, Series, Table
 from aeroservo.report.lattice3d import Lattice3D, lattice3d
 from aeroservo.report.live import live_data
-from aeroservo.report.part_tools import bands, marks, range_of, thinned, words
+from aeroservo.report.part_tools import bands, drawn, marks, range_of, thinned, words
 from aeroservo.report.scene import history_data, scene_data
 from aeroservo.structure.modal import tip_motion
 from aeroservo.studies.aircraft_report import GUST_ANGLE, ReportCase, Run
@@ -46,8 +46,8 @@ def control_part(case: ReportCase) -> Part:
         Or why there is none.
     """
     theirs = case.options.controller
-    if theirs is None and not case.family.controls:
-        return Part(title="Control", anchor="control", blocks=(Failed(why="the model has no control to move"),))
+    if theirs is None and not case.controllable:
+        return Part(title="Control", anchor="control", blocks=(Failed(why=_uncontrolled(case)),))
     V = _speeds(case)
     loops = [_loop(case, v) for v in V]
     disks = [disk_margin(plant, c) for plant, c in loops]
@@ -74,6 +74,12 @@ def control_part(case: ReportCase) -> Part:
     if theirs is not None:
         blocks.append(_closed_boundaries(case, theirs))
     return Part(title="Control", anchor="control", blocks=tuple(blocks))
+
+
+def _uncontrolled(case: ReportCase) -> str:
+    if case.model.columns("control"):
+        return "the modes have no grid, by which the report's regulator weighs motion: give a controller (--controller)"
+    return "the model has no control to move"
 
 
 def _words(case: ReportCase) -> str:
@@ -210,11 +216,11 @@ def simulation_part(case: ReportCase) -> Part:
     part : Part
         A scene and charts.
     """
-    lattice = lattice3d(case.file, case.model)
     runs = case.runs
     blocks: list[Block] = [
-        Scene(
-            data=scene_data(lattice, histories=[_replay(case, lattice, run) for run in runs]),
+        drawn(
+            case,
+            lambda lattice: scene_data(lattice, histories=[_replay(case, lattice, run) for run in runs]),
             title="Replay",
             caption="Press Play: the green sheet is the gust, its height the upward velocity, moving aft with the air. "
             "Motion is enlarged as the slider says; the clock is slowed.",

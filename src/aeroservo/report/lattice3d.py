@@ -125,9 +125,24 @@ def rigid_lattice(file: AircraftFile) -> Lattice3D:
     lattice : Lattice3D
         Without shapes. [m]
     """
-    patches = _aircraft(file)
+    return at_rest(tuple(_aircraft(file)))
+
+
+def at_rest(patches: tuple[Patch, ...]) -> Lattice3D:
+    """Patches that do not move.
+
+    Parameters
+    ----------
+    patches : tuple of Patch
+        What is drawn. [m]
+
+    Returns
+    -------
+    lattice : Lattice3D
+        Without shapes. [m]
+    """
     count = sum(p.points.shape[0] * p.points.shape[1] for p in patches)
-    return Lattice3D(patches=tuple(patches), names=(), shapes=np.zeros((0, count, 3)))
+    return Lattice3D(patches=patches, names=(), shapes=np.zeros((0, count, 3)))
 
 
 def _antisymmetric(file: FileModel) -> bool:

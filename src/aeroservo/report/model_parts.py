@@ -7,8 +7,8 @@ import numpy as np
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.report.blocks import Block, Chart, Facts, Mark, Part, Prose, Scene, Series, Table
 from aeroservo.report.figures import shown_branches
-from aeroservo.report.lattice3d import Lattice3D, lattice3d, rigid_lattice
-from aeroservo.report.part_tools import bands, marks, range_of, words
+from aeroservo.report.lattice3d import Lattice3D, at_rest, lattice3d, rigid_lattice
+from aeroservo.report.part_tools import bands, drawn, marks, range_of, words
 from aeroservo.report.scene import mode_data, scene_data
 from aeroservo.studies.aircraft_report import MACH_LIMIT, ReportCase
 
@@ -104,16 +104,16 @@ def model_part(case: ReportCase) -> Part:
     assumptions = getattr(case.file, "assumptions", None) or ()
     if assumptions:
         blocks.append(Prose(text="Assumed by the author of the file:\n\n" + "\n\n".join(assumptions), kind="note"))
-    lattice = lattice3d(case.file, case.model)
-    blocks += _views(lattice)
-    blocks.append(
-        Scene(
-            data=scene_data(Lattice3D(patches=lattice.patches, names=(), shapes=np.zeros((0, len(lattice.points), 3)))),
-            title="In three dimensions",
-            caption="Turn it with the mouse or the arrow keys; controls are drawn in orange. A section or a model on "
-            "springs is drawn as a plate of its chord and area.",
-        )
+    scene = drawn(
+        case,
+        lambda lattice: scene_data(at_rest(lattice.patches)),
+        title="In three dimensions",
+        caption="Turn it with the mouse or the arrow keys; controls are drawn in orange. A section or a model on "
+        "springs is drawn as a plate of its chord and area.",
     )
+    if isinstance(scene, Scene):
+        blocks += _views(lattice3d(case.file, case.model))
+    blocks.append(scene)
     return Part(title="Model", anchor="model", blocks=tuple(blocks))
 
 
@@ -212,10 +212,10 @@ def modes_part(case: ReportCase) -> Part:
                     caption="Each mode is scaled alike in both figures: the larger of the two says what the mode is.",
                 )
             )
-    lattice = lattice3d(case.file, case.model)
     blocks.append(
-        Scene(
-            data=scene_data(lattice, modes=mode_data(lattice, case.found)),
+        drawn(
+            case,
+            lambda lattice: scene_data(lattice, modes=mode_data(lattice, case.found)),
             title="Modes along the root locus",
             caption="The airspeed slider takes the mode from slow flight through the boundary: see how bending and "
             "torsion fall in step where flutter begins. Amplitudes are drawn alike at every speed.",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aeroservo.report.blocks import Band, Mark
+from aeroservo.report.blocks import Band, Failed, Mark, Scene
+from aeroservo.report.lattice3d import Lattice3D, lattice3d
 from aeroservo.studies.aircraft_report import MACH_LIMIT, ReportCase
 
 Array = NDArray[Any]
@@ -87,6 +88,30 @@ def marks(case: ReportCase, *names: str) -> tuple[Mark, ...]:
         for name, at, text in every
         if (not names or name in names) and at is not None and V[0] <= at <= V[-1]
     )
+
+
+def drawn(case: ReportCase, data: Callable[[Lattice3D], dict[str, Any]], *, title: str, caption: str) -> Scene | Failed:
+    """A scene of the model, or why there is none.
+
+    Parameters
+    ----------
+    case : ReportCase
+        The model.
+    data : callable
+        From the lattice to the data of the scene.
+    title, caption : str
+        Of the scene.
+
+    Returns
+    -------
+    block : Scene or Failed
+        Modes without a grid cannot be drawn; whatever else the part holds still comes.
+    """
+    try:
+        lattice = lattice3d(case.file, case.model)
+    except ValueError as error:
+        return Failed(why=f"{title}: {error}")
+    return Scene(data=data(lattice), title=title, caption=caption)
 
 
 def thinned(count: int, most: int) -> slice:

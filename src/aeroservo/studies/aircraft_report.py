@@ -7,8 +7,6 @@ polars at the speed at which a lift coefficient of 0.3, or less where section po
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,11 +21,11 @@ from aeroservo.aeroelastic.static import StaticResult, static
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.aircraft.files import read
 from aeroservo.aircraft.schema_base import FileModel
-from aeroservo.aircraft.schema_other import ModalFile, StateSpaceFile
+from aeroservo.aircraft.schema_other import StateSpaceFile
 from aeroservo.atmosphere import STANDARD_GRAVITY, atmosphere
 from aeroservo.control.controller import Controller, state_feedback
 from aeroservo.control.plant import chosen
-from aeroservo.datatypes import AeroelasticModel, Array, FlightCondition, LinearSystem, SampledAero
+from aeroservo.datatypes import AeroelasticModel, FlightCondition, LinearSystem, SampledAero
 from aeroservo.simulate.disturbances import CosineGust, Gustiness
 from aeroservo.simulate.engine import Simulation, simulate
 from aeroservo.simulate.profiles import level
@@ -35,6 +33,7 @@ from aeroservo.simulate.scenario import Scenario, Stepping
 from aeroservo.structure.modal import NaturalModes, natural_modes
 from aeroservo.studies.aero_views import WingCase
 from aeroservo.studies.aircraft_aero import kinematic_viscosity
+from aeroservo.studies.input_hash import input_hash
 from aeroservo.studies.live_model import LiveFamily, live_family
 
 MACH_LIMIT = 0.3
@@ -264,6 +263,11 @@ class ReportCase:
         """Sample rate of the report's own regulator: twenty times the frequency that matters, round. [Hz]"""
         return float(np.clip(np.ceil(20.0 * self.frequency / 50.0) * 50.0, 50.0, 2000.0))
 
+    @property
+    def controllable(self) -> bool:
+        """Whether the report's own regulator has a control to move and a tip to look at. [-]"""
+        return bool(self.model.columns("control")) and len(self.model.modes.grid) > 0
+
     def plant(self, V: float) -> LinearSystem:
         """Controls to states at an airspeed [m/s], the plant of the report's own regulator. [SI]"""
         family = self.family
@@ -294,20 +298,12 @@ class ReportCase:
     @cached_property
     def input_hash(self) -> str:
         """SHA-256 of model and options in a canonical form, the same on every machine. [-]"""
-        c = self.options.controller
-        content: dict[str, Any] = {
-            "model": _without_folders(self.file.model_dump(mode="json")),
-            "altitude_m": self.options.altitude,
-            "aero": self.options.aero,
-            "speed_m_s": self.options.speed,
-            "controller": None if c is None else [np.asarray(x).tolist() for x in (c.A, c.B, c.C, c.D)],
-        }
-        if isinstance(self.file, ModalFile):
-            x = self.file.arrays
-            content["arrays"] = {k: _digest(getattr(x, k)) for k in ("M", "D", "K", "Q", "k", "mach", "phi", "grid")}
-        if isinstance(self.file, AircraftFile):
-            content["airfoils"] = _airfoils(self.file)
-        return hashlib.sha256(json.dumps(content, sort_keys=True, ensure_ascii=True).encode()).hexdigest()
+        c, o = self.options.controller, self.options
+        laws = None if c is None else [np.asarray(x).tolist() for x in (c.A, c.B, c.C, c.D)]
+        asked = {"altitude_m": o.altitude, "aero": o.aero, "speed_m_s": o.speed, "controller": laws}
+        if c is not None:
+            asked["held"] = [c.dt_s, c.delay_s, list(c.limits), np.asarray(c.pressures).tolist()]
+        return input_hash(self.file, asked)
 
 
 def report_case(name: str | Path, options: ReportOptions) -> ReportCase:
@@ -328,26 +324,6 @@ def report_case(name: str | Path, options: ReportOptions) -> ReportCase:
     return ReportCase(file=read(name), options=options)
 
 
-def _digest(array: Array | None) -> str:
-    """Hash of an array, whatever the machine's byte order."""
-    array = np.zeros(0) if array is None else array
-    kind = "<c16" if np.iscomplexobj(array) else "<f8"
-    return hashlib.sha256(str(np.shape(array)).encode() + np.asarray(array).astype(kind).tobytes()).hexdigest()
-
-
-def _without_folders(value: Any) -> Any:
-    """The same with paths of files beside the model reduced to their names."""
-    if isinstance(value, dict):
-        return {k: Path(v).name if k in ("airfoil", "data") else _without_folders(v) for k, v in value.items()}
-    return [_without_folders(v) for v in value] if isinstance(value, list) else value
-
-
-def _airfoils(file: AircraftFile) -> dict[str, str]:
-    """Hash of every airfoil file that lies beside the model."""
-    names = {s.airfoil for surface in file.surfaces() for s in surface.sections}
-    return {Path(x).name: hashlib.sha256(Path(x).read_bytes()).hexdigest() for x in sorted(names) if Path(x).is_file()}
-
-
 def _runs(case: ReportCase) -> list[Run]:
     """Time histories by kind of model."""
     if isinstance(case.file, StateSpaceFile):
@@ -360,10 +336,11 @@ def _runs(case: ReportCase) -> list[Run]:
     duration = float(np.clip(14.0 / f, 0.5, 30.0))
     out = [_gusted(case, below, length, duration, "Gust, loop open")]
     if first is not None and case.options.speed is None:
-        growth = float(np.linalg.eigvals(case.family.at(1.1 * first, case.rho).A).real.max())
+        here = case.found.roots[int(np.argmin(np.abs(case.sweep.V - 1.1 * first)))].real
+        growth = float(np.nanmax(here)) if np.any(np.isfinite(here)) else 0.0
         short = float(np.clip(0.05 * duration + length / first + GROWN / max(growth, 1e-9), 0.2 * duration, duration))
         out.append(_gusted(case, 1.1 * first, length, short, "Gust beyond flutter, loop open"))
-    if case.options.controller is not None or case.family.controls:
+    if case.options.controller is not None or case.controllable:
         fast = 1.1 * first if first is not None and case.options.speed is None else below
         out.append(_gusted(case, fast, length, duration, "Gust, loop closed", closed=True))
     out.append(_turbulent(case, below, 4.0 * duration))
