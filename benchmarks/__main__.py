@@ -49,6 +49,7 @@ def main(arguments: list[str]) -> int:
     print(f"{'':58s}{'ours':>12s}{'peer':>12s}{'ratio':>9s}{'target':>9s}")
     results: dict[str, list[Row]] = {}
     skipped: dict[str, str] = {}
+    now = datetime.now(UTC)
     for name in arguments or found:
         print(name)
         try:
@@ -56,10 +57,9 @@ def main(arguments: list[str]) -> int:
         except Skipped as why:
             skipped[name] = str(why)
             print(f"  skipped: {why}")
-            continue
-        for row in results[name]:
+        for row in results.get(name, []):
             print(line(row), flush=True)
-    kept = keep(here, results, skipped)
+        kept = keep(now, here, results, skipped)  # after each: an interrupted run keeps what it has
     print(f"kept in {os.path.relpath(kept)}")
     return int(any(not row.met for rows in results.values() for row in rows))
 
@@ -93,9 +93,8 @@ def machine() -> dict[str, Any]:
     }
 
 
-def keep(here: dict[str, Any], results: dict[str, list[Row]], skipped: dict[str, str]) -> Path:
+def keep(now: datetime, here: dict[str, Any], results: dict[str, list[Row]], skipped: dict[str, str]) -> Path:
     """Write the results as JSON under benchmarks/results/ and return the file."""
-    now = datetime.now(UTC)
     data = {
         "at": now.isoformat(timespec="seconds"),
         **here,

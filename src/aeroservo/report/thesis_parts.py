@@ -86,7 +86,7 @@ def speed_table(book: ThesisBook, table: int) -> Table:
     where = "sea level" if table == 2 else "10,000 ft"
     return Table(
         title=f"Table {table}: {where}, true airspeeds in m/s",
-        columns=("model", "speed", "thesis", "ours, its method", "difference", "sounder", "by", "note"),
+        columns=("model", "speed", "thesis", "ours", "diff.", "sounder", "the sounder method; note"),
         rows=tuple(
             (
                 names[c.column],
@@ -95,8 +95,7 @@ def speed_table(book: ThesisBook, table: int) -> Table:
                 _speed(c.ours),
                 _speed(c.difference, sign=True),
                 _speed(c.sound),
-                c.method,
-                c.reason,
+                f"{c.method}; {c.reason}",
             )
             for c in cells
         ),

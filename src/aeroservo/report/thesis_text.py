@@ -67,7 +67,7 @@ def print_tables(book: ThesisBook, console: Console) -> None:
 def _terminal_row(cell: Cell) -> tuple[str, ...]:
     """Model, speed, thesis, ours, difference, sounder."""
     ours = cell.ours if isinstance(cell.ours, str) else _two(cell.ours)
-    if isinstance(cell.ours, str) and cell.ours.startswith("as printed"):
+    if isinstance(cell.ours, str) and cell.ours.startswith("printed at"):
         ours = "k not named"
     return (SHORT[cell.column], cell.quantity, cell.thesis, ours, _two(cell.difference, sign=True), _two(cell.sound))
 

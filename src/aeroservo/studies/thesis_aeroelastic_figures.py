@@ -366,7 +366,10 @@ def _held(a: Aeroelastic) -> Entry:
 
 
 def _broken(held: Held) -> Curve:
-    """Flutter speed over log k, with gaps where the curve changes to another branch."""
-    jumps = np.flatnonzero(~held.curve.joined) + 1
-    k, V = (np.insert(values, jumps, np.nan) for values in (np.log10(held.curve.k), held.curve.flutter_speed))
+    """Flutter speed over log k, with gaps where the curve changes to another branch; a point alone is no curve."""
+    joined = held.curve.joined
+    alone = ~(np.append(joined, False) | np.insert(joined, 0, False))
+    V = np.where(alone, np.nan, held.curve.flutter_speed)
+    jumps = np.flatnonzero(~joined) + 1
+    k, V = (np.insert(values, jumps, np.nan) for values in (np.log10(held.curve.k), V))
     return Curve(name=f"slope {held.slope}", x=k, y=V)

@@ -271,7 +271,7 @@ def _held_words(a: Aeroelastic, model: Model, altitude: float) -> str:
     for slope in ("a_w", "2 pi"):
         both = [h for h in a.study.held if (h.model, h.slope) == (model, slope)]
         common = common_ranges(both[0].ranges, both[1].ranges)
-        said += [f"as printed for k {low:.2g} to {high:.2g}, {slope}" for low, high in common]
+        said += [f"printed at k {low:.2g} to {high:.2g}, {slope}" for low, high in common]
     return "; ".join(said) or "no one k prints both altitudes"
 
 
