@@ -19,7 +19,7 @@ import pytest
 import aeroservo as av
 from aeroservo.aircraft.overrides import override
 from aeroservo.atmosphere import atmosphere
-from aeroservo.control.controller import state_feedback
+from aeroservo.control.controller import Controller, state_feedback
 from aeroservo.control.plant import sampled_plant
 from aeroservo.datatypes import LinearSystem
 from aeroservo.report import make_report
@@ -293,6 +293,27 @@ def test_modes_without_a_grid_lose_their_pictures_and_nothing_else(tmp_path: Pat
     assert sum(isinstance(b, Chart) for b in parts["flutter"].blocks) == 3
     assert any(isinstance(b, Chart) for b in parts["simulations"].blocks), parts["simulations"].blocks
     assert not [b for p in parts.values() for b in p.blocks if isinstance(b, Failed) and "Error" in b.why]
+
+
+@pytest.mark.parametrize("scheduled", [False, True])
+def test_the_users_controller_closes_the_loop(scheduled: bool) -> None:
+    own = report_case("thesis-simulation", ReportOptions()).family
+    K = [own.gain(500.0), own.gain(1500.0)] if scheduled else [own.gain(1200.0)]
+    controller = Controller(
+        A=[], B=[], C=[], D=[(-k).tolist() for k in K] if scheduled else (-K[0]).tolist(),  # type: ignore[arg-type]
+        inputs=own.states, outputs=own.inputs[:1], dt_s=own.dt_s, pressures=[500.0, 1500.0] if scheduled else None,
+    )  # fmt: skip
+    case = report_case("thesis-simulation", ReportOptions(controller=controller, controller_name="c.json"))
+    part = next(made(s, case) for s in sections(case) if s.anchor == "control")
+    growth = next(b for b in part.blocks if isinstance(b, Chart) and "Growth" in b.title).series[1]
+    for k in (0, 8, 16):
+        V = growth.x[k]
+        q = 0.5 * case.rho * V**2
+        gain = K[0] if not scheduled else K[0] + np.clip((q - 500.0) / 1000.0, 0.0, 1.0) * (K[1] - K[0])
+        held = sampled_plant(own.at(V, case.rho), own.dt_s, inputs=own.inputs[:1])
+        true = np.log(np.abs(np.linalg.eigvals(held.A - held.B @ gain)).max()) / own.dt_s
+        assert growth.y[k] == pytest.approx(true, rel=1e-6)
+    assert any("loop closed" in run.name and run.closed for run in case.runs)
 
 
 def test_figures_show_the_numbers_of_the_results() -> None:

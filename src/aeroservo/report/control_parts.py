@@ -50,7 +50,8 @@ def control_part(case: ReportCase) -> Part:
         return Part(title="Control", anchor="control", blocks=(Failed(why=_uncontrolled(case)),))
     V = _speeds(case)
     loops = [_loop(case, v) for v in V]
-    disks = [disk_margin(plant, c) for plant, c in loops]
+    pressures = 0.5 * case.rho * V**2
+    disks = [disk_margin(plant, c, pressure=float(q)) for (plant, c), q in zip(loops, pressures)]
     blocks: list[Block] = [Prose(text=_words(case))]
     if theirs is None:
         blocks += _gains(case)
@@ -118,9 +119,8 @@ def _growth(case: ReportCase, V: Array, loops: list[tuple[LinearSystem, Controll
     opened, closed = [], []
     for v, (plant, controller) in zip(V, loops):
         pressure = 0.5 * case.rho * v * v
-        fixed = controller.at(pressure) if hasattr(controller, "at") else controller
-        held = at_rate(plant, fixed)
-        loop = closed_loop(held, fixed)
+        held = at_rate(plant, controller)
+        loop = closed_loop(held, controller, pressure=pressure)
         opened.append(_largest(held))
         closed.append(_largest(loop))
     both = (Series(name="loop open", x=V, y=np.array(opened)), Series(name="loop closed", x=V, y=np.array(closed)))

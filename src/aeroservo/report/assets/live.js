@@ -152,7 +152,7 @@ function createLive(container, data) {
       toRest();
     }
     show();
-    if (now - drawn > 120) { draw(); drawn = now; }
+    if (now - drawn > 200) { draw(); drawn = now; }
     if (now - told > 200) { wing.readout.textContent = `t = ${run.t.toFixed(2)} s${stopped ? "\n" + stopped : ""}`; told = now; }
   }
   function toRest() { run.reset(); history.length = 0; nextGust = run.t; show(); }

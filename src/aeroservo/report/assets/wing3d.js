@@ -69,7 +69,7 @@ function createWing(container, data, options = {}) {
   controls.append(camera, reset);
 
   // the picture
-  let renderer = null, ratio = bySoftware() ? 0.85 : Math.min(devicePixelRatio || 1, 1.5);
+  let renderer = null, ratio = bySoftware() ? 0.75 : Math.min(devicePixelRatio || 1, 1.5);
   try {
     const canvas = document.createElement("canvas"); // opaque and square: with blending or round corners a page drawn
     const context = canvas.getContext("webgl2", { alpha: false, antialias: !bySoftware(), stencil: false }); // by software halves its rate
@@ -102,7 +102,7 @@ function createWing(container, data, options = {}) {
   const edges = new THREE.BufferGeometry();
   edges.setAttribute("position", position);
   edges.setIndex(lines);
-  const wire = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 }));
+  const wire = new THREE.LineSegments(edges, new THREE.LineBasicMaterial(bySoftware() ? {} : { transparent: true, opacity: 0.55 }));
   const restGeometry = new THREE.BufferGeometry();
   restGeometry.setAttribute("position", new THREE.BufferAttribute(base, 3));
   restGeometry.setIndex(outline());
@@ -135,7 +135,7 @@ function createWing(container, data, options = {}) {
   airEdges.setIndex(airLines);
   const sheet = new THREE.Group();
   const sheetPaint = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, transparent: true, opacity: 0.12, depthWrite: false });
-  const sheetLine = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.45 });
+  const sheetLine = new THREE.LineBasicMaterial(bySoftware() ? {} : { transparent: true, opacity: 0.45 });
   const a = new THREE.Mesh(airGeometry, sheetPaint), b = new THREE.LineSegments(airEdges, sheetLine);
   a.frustumCulled = b.frustumCulled = false;
   sheet.add(b);
