@@ -316,6 +316,24 @@ def test_the_users_controller_closes_the_loop(scheduled: bool) -> None:
     assert any("loop closed" in run.name and run.closed for run in case.runs)
 
 
+def test_aerodynamics_of_an_aircraft_with_and_without_a_structure(tmp_path: Path) -> None:
+    text = (files("aeroservo.aircraft") / "presets" / "thesis-uav.toml").read_text(encoding="utf-8")
+    (tmp_path / "rigid.toml").write_text(text[: text.index("[structure]")])
+    case = report_case(tmp_path / "rigid.toml", ReportOptions())
+    parts = {s.anchor: made(s, case) for s in sections(case)}
+    assert list(parts) == ["model", "aerodynamics"]
+    assert not [b for p in parts.values() for b in p.blocks if isinstance(b, Failed)]
+    CL, wing = case.wing
+    masses = case.file.masses()  # type: ignore[attr-defined]
+    lift = 0.5 * case.rho * float(wing.speed or 0.0) ** 2 * case.file.references().S * CL  # type: ignore[attr-defined]
+    assert lift == pytest.approx(masses.mass * 9.80665, rel=1e-9)
+    charts = {b.title: b for b in parts["aerodynamics"].blocks if isinstance(b, Chart)}
+    polars = wing.polars()
+    np.testing.assert_array_equal(charts["Lift over drag"].series[1].y, polars[1].lift_to_drag)
+    load, ellipse = charts["Span loading"].series[1], charts["Span loading"].series[-1]
+    assert np.trapezoid(load.y, load.x) == pytest.approx(np.trapezoid(ellipse.y, ellipse.x), rel=0.02)
+
+
 def test_figures_show_the_numbers_of_the_results() -> None:
     case = report_case("thesis-binary", ReportOptions(altitude=3048.0))
     parts = {s.anchor: made(s, case) for s in sections(case)[:6]}
