@@ -298,7 +298,7 @@ def test_the_page_of_the_docs_is_current(book: ThesisBook) -> None:
             tolerance = 8.0 if key == ("simulation, adaptive", "flutter") else 0.05
             np.testing.assert_allclose(old[key], values, atol=tolerance, equal_nan=True, err_msg=str(key))
     claim = re.compile(r"^\| [^|]+ \| ([^|]+) \| \*\*([^|]+)\*\* \|", re.MULTILINE)
-    assert claim.findall(kept) == claim.findall(now)
+    assert claim.findall(kept) == claim.findall(now) == [(c.statement, c.verdict) for c in book.claims]
     assert book_json(book)["made_by"] == MADE_BY
     for name in PICTURES:
         assert (DOCS.parent / "img" / "thesis" / picture_name(book.entry(name))).is_file()

@@ -197,5 +197,5 @@ def _rows(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _safe(text: str) -> str:
-    """Text that Markdown takes literally."""
-    return text.replace("_", "\\_").replace("*", "\\*").replace("<", "&lt;").replace("±", "&plusmn;")
+    """Text that Markdown takes literally; asterisks are ours, for bold."""
+    return text.replace("_", "\\_").replace("<", "&lt;").replace("±", "&plusmn;")
