@@ -24,7 +24,7 @@ from .aeroelastic.static import StaticResult as StaticResult
 from .aeroelastic.static import divergence as divergence
 from .aeroelastic.static import reversal as reversal
 from .aeroelastic.static import static as static
-from .aircraft.files import ModelFileError as ModelFileError
+from .aircraft.file_errors import ModelFileError as ModelFileError
 from .aircraft.files import new as new
 from .aircraft.files import presets as presets
 from .aircraft.files import read as read

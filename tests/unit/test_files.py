@@ -14,8 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from aeroservo.aircraft import files
-from aeroservo.aircraft.files import ModelFileError, new, parse, presets, read, write_whole
+from aeroservo.aircraft import file_text, files
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import new, parse, presets, read, write_whole
 from aeroservo.aircraft.overrides import numbers, override
 
 GOLAND = (Path(files.__file__).parent / "presets" / "goland.toml").read_text(encoding="utf-8")
@@ -121,7 +122,7 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
     """More than 10 MB is no model file."""
     path = tmp_path / "huge.toml"
     with open(path, "wb") as file:
-        file.truncate(files.LARGEST + 1)
+        file.truncate(file_text.LARGEST + 1)
     assert "larger than 10 MB" in refusal(path)
 
 

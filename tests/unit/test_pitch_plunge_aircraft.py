@@ -15,7 +15,7 @@ from aeroservo.aeroelastic.pitch_plunge_aircraft import (
     pitch_plunge_text,
 )
 from aeroservo.aircraft.aircraft_schema import AircraftFile
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError
 from aeroservo.aircraft.schema_other import PitchPlungeFlap
 from aeroservo.datatypes import FlightCondition
 from aeroservo.studies.aircraft_aero import aircraft_coefficients

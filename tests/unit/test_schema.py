@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from aeroservo.aircraft.files import ModelFileError, parse, presets, read, validate
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import parse, presets, read, validate
 from aeroservo.aircraft.schema import SCHEMA_FILE, json_schema, kinds
 
 Data = dict[str, Any]

@@ -9,7 +9,8 @@ from aeroservo.aeroelastic.build import build
 from aeroservo.aeroelastic.flutter import PK, K, Method, P, flutter
 from aeroservo.aeroelastic.sensitivity import Sensitivity, sensitivities
 from aeroservo.aeroelastic.static import divergence, reversal
-from aeroservo.aircraft.files import ModelFileError, read
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import read
 from aeroservo.aircraft.overrides import override
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.datatypes import FlightCondition

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -75,6 +78,33 @@ def test_interrupt_loses_nothing_and_resumes(tmp_path: Path) -> None:
     assert again == []
     with pytest.raises(ValueError, match="another ensemble"):
         ensemble(variants(), runs=4, seed=3, batch=1, journal=journal)
+
+
+_VARIED = """
+import sys
+import aeroservo as av
+from aeroservo.simulate.montecarlo import ensemble
+from aeroservo.simulate.profiles import level
+from aeroservo.simulate.scenario import Scenario
+from aeroservo.studies.monte_carlo import Spread, variants
+
+spread = Spread(field="model.m_kg", law="normal", first=float(sys.argv[2]), second=0.1)
+cases = variants(av.read("thesis-simulation"), [spread], Scenario(profile=level(30.0), duration=0.01), runs=2, seed=0)
+ensemble(cases, runs=1, seed=0, batch=1, journal=sys.argv[1], progress=lambda done, total: print(done))
+"""
+
+
+def test_journal_of_varied_models_is_known_in_another_process(tmp_path: Path) -> None:
+    """Its fingerprint may not follow the order of sets, which Python draws anew in each process."""
+
+    def run(hash_seed: str, mean: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-c", _VARIED, str(tmp_path / "runs.jsonl"), mean]
+        return subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONHASHSEED": hash_seed})
+
+    assert run("1", "10").stdout.split() == ["1", "2"]
+    again = run("2", "10")
+    assert (again.returncode, again.stdout) == (0, ""), again.stderr
+    assert "another ensemble" in run("2", "11").stderr
 
 
 def test_refusals() -> None:

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroservo.aircraft.files import ModelFileError, parse, presets, read
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import parse, presets, read
 from aeroservo.aircraft.schema import kinds
 from aeroservo.studio.draft import Draft, changes, checked, held, opened, put, shown, typed
 from aeroservo.studio.fields import Form, form_of

@@ -11,7 +11,8 @@ import pytest
 from aeroservo.aeroelastic.build import build
 from aeroservo.aeroelastic.flutter import PK, G, K, Method, P, flutter
 from aeroservo.aeroelastic.onset import onset
-from aeroservo.aircraft.files import ModelFileError, read
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import read
 from aeroservo.datatypes import FlightCondition
 from aeroservo.report.figures import as_bytes
 from aeroservo.report.surfaces import surface_figure

@@ -17,7 +17,8 @@ from aeroservo.aeroelastic.creep import creep_speeds, creep_time, creep_twist, g
 from aeroservo.aeroelastic.linear import internal_states, state_matrix
 from aeroservo.aeroelastic.pk import frequency_matrix, frequency_roots
 from aeroservo.aeroelastic.sensitivity import sensitivities
-from aeroservo.aircraft.files import ModelFileError, validate
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import validate
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.datatypes import AeroelasticModel, FlightCondition, ModalModel, Relaxation
 from aeroservo.simulate.disturbances import SharpGust

@@ -10,7 +10,7 @@ import pytest
 
 import aeroservo as av
 from aeroservo.aeroelastic.build_beam import BEAM_MODES, slender_beam
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError
 from aeroservo.structure.beam import beam_modes
 
 CASES = Path(av.__file__).parent / "aircraft" / "presets"

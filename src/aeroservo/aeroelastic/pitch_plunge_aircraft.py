@@ -19,7 +19,8 @@ from aeroservo.aero.vlm import VortexLattice
 from aeroservo.aeroelastic.aircraft_axis import carrier
 from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice
 from aeroservo.aircraft.aircraft_schema import AircraftFile, StructureStation
-from aeroservo.aircraft.files import ModelFileError, parse, write_whole
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import parse, write_whole
 from aeroservo.aircraft.planform import planform
 from aeroservo.aircraft.schema_other import PitchPlungeFlap
 

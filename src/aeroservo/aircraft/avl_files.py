@@ -8,7 +8,8 @@ from pathlib import Path
 import tomlkit
 
 from aeroservo.aircraft.avl import AvlImport, read_avl
-from aeroservo.aircraft.files import ModelFileError, write_whole
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import write_whole
 
 
 def new_from_avl(source: str | Path, file: str | Path, *, force: bool = False) -> tuple[Path, tuple[str, ...]]:

@@ -15,6 +15,10 @@ from aeroservo.aircraft.schema_base import TINY
 _MOST = 8  # findings in one message
 
 
+class ModelFileError(ValueError):
+    """A model file that cannot be used; the message is for the user."""
+
+
 def explained(error: ValidationError, model: type[BaseModel], where: str) -> str:
     """A refused model file in words, one line for each finding.
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
-import stat
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,17 +16,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from aeroservo.aircraft.file_errors import clean, explained, nearest
+from aeroservo.aircraft.file_errors import ModelFileError, clean, explained, nearest
+from aeroservo.aircraft.file_text import file_text
 from aeroservo.aircraft.schema_base import SCHEMA_VERSION, FileModel
 
 _PRESETS = Path(__file__).with_name("presets")
-#: Largest model file read. [byte]
-LARGEST = 10_000_000
 _DEEPEST = 20  # tables and lists inside each other
-
-
-class ModelFileError(ValueError):
-    """A model file that cannot be used; the message is for the user."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +66,8 @@ def read(name_or_path: str | os.PathLike[str]) -> FileModel:
     >>> read("goland").wing.station[0].chord_m
     1.8288
     """
-    path = _located(name_or_path)
-    return parse(_text(path), path)
+    path = model_path(name_or_path)
+    return parse(file_text(path), path)
 
 
 def parse(text: str, path: Path) -> FileModel:
@@ -307,8 +301,33 @@ def _preset_names() -> list[str]:
     return [path.stem for path in sorted(_PRESETS.glob("*.toml"))]
 
 
-def _located(name_or_path: str | os.PathLike[str]) -> Path:
-    """Path of a preset or file, or an error that lists what there is."""
+def model_path(name_or_path: str | os.PathLike[str]) -> Path:
+    """Path of a preset or file.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        Name of a preset, or path of a file that exists.
+
+    Returns
+    -------
+    path : Path
+        Of the TOML file.
+
+    Raises
+    ------
+    ModelFileError
+        Listing what there is, where there is no such file and no such preset.
+
+    References
+    ----------
+    Project convention: contract.md, "MODEL is a preset's name or a path to a TOML file".
+
+    Examples
+    --------
+    >>> model_path("goland").name
+    'goland.toml'
+    """
     given = os.fspath(name_or_path)
     if isinstance(name_or_path, str) and given in _preset_names():
         return _PRESETS / f"{given}.toml"
@@ -322,35 +341,6 @@ def _located(name_or_path: str | os.PathLike[str]) -> Path:
         f"{clean(given, 200)}: no such file, and no preset of that name{nearest(given, names)}; "
         f"the presets are {', '.join(names)}"
     )
-
-
-def _text(path: Path) -> str:
-    """The text of a model file."""
-    kind, content = 0, b""
-    try:
-        kind = path.stat().st_mode
-        if stat.S_ISREG(kind):
-            with open(path, "rb") as file:
-                content = file.read(LARGEST + 1)
-    except PermissionError:
-        raise ModelFileError(f"{path}: no permission to read it") from None
-    except (OSError, ValueError) as error:
-        raise ModelFileError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if stat.S_ISDIR(kind):
-        raise ModelFileError(f"{path}: is a folder; give a model file (TOML)")
-    if not stat.S_ISREG(kind):
-        raise ModelFileError(f"{path}: is not an ordinary file")
-    if len(content) > LARGEST:
-        raise ModelFileError(f"{path}: is larger than {LARGEST / 1e6:.0f} MB, the most that a model file may have")
-    if b"\0" in content:
-        raise ModelFileError(f"{path}: is a binary file; a model file is text (TOML)")
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ModelFileError(f"{path}: is not text in UTF-8; a model file is text (TOML)") from None
-    if not text.strip():
-        raise ModelFileError(f"{path}: is empty: start from a preset with 'aeroservo new PRESET FILE'")
-    return text.replace("\r\n", "\n")
 
 
 def _depth(data: Any) -> int:

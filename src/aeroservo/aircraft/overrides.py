@@ -13,8 +13,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from aeroservo.aircraft.file_errors import dotted, nearest
-from aeroservo.aircraft.files import ModelFileError, validate
+from aeroservo.aircraft.file_errors import ModelFileError, dotted, nearest
+from aeroservo.aircraft.files import validate
 from aeroservo.aircraft.schema_base import FileModel
 
 _INDEX = re.compile(r"\[(\d{1,6})\]")

@@ -85,9 +85,9 @@ def report(
 
 def _source(model: str) -> str:
     """Text of the model file."""
-    from aeroservo.aircraft.files import _located
+    from aeroservo.aircraft.files import model_path
 
-    return _located(model).read_text(encoding="utf-8", errors="replace")
+    return model_path(model).read_text(encoding="utf-8", errors="replace")
 
 
 def _command(model: str, path: Path, options: ReportOptions) -> str:

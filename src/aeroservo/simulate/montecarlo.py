@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import pickle
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
@@ -293,9 +295,19 @@ def _collected(names: list[str], runs: int, finished: dict[tuple[int, int], dict
 
 def _mark(variants: Sequence[Variant], stepping: Stepping) -> str:
     """Fingerprint of the models and scenarios: a journal of others is not taken up."""
-    import pickle
+    content = io.BytesIO()
+    _Fields(content, protocol=4).dump((list(variants), stepping))
+    return sha256(content.getvalue()).hexdigest()[:16]
 
-    return sha256(pickle.dumps((list(variants), stepping), protocol=4)).hexdigest()[:16]
+
+class _Fields(pickle.Pickler):
+    """Model files by their fields in order: pydantic adds a set of names, whose order differs in each process."""
+
+    def reducer_override(self, value: Any) -> Any:
+        """What stands for a value."""
+        if isinstance(value, type) or not hasattr(value, "model_dump"):
+            return NotImplemented
+        return tuple, ((type(value).__qualname__, value.model_dump()),)
 
 
 class _Journal:

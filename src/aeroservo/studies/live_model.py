@@ -162,7 +162,7 @@ def live_family(
     """
     model, fit_error = small_model(model)
     K_torsion = torsional_stiffness(file, model)
-    span = factor if np.any(K_torsion) else (1.0, 1.0)
+    span = factor if np.any(K_torsion) and not model.modes.relaxing else (1.0, 1.0)  # what relaxes stays as it is
     nodes, A, B, system = _matrices(model, K_torsion, (V, rho, span))
     controls = [k for k, name in enumerate(system.inputs) if not name.startswith("gust")]
     chosen = [k for k in controls if ANTISYMMETRIC not in system.inputs[k]] or controls

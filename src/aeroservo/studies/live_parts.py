@@ -25,7 +25,7 @@ def small_model(model: AeroelasticModel) -> tuple[AeroelasticModel, float | None
     Parameters
     ----------
     model : AeroelasticModel
-        Any; one with sensors keeps all its modes.
+        Any.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def small_model(model: AeroelasticModel) -> tuple[AeroelasticModel, float | None
         If the air forces cannot be fitted to a hundredth.
     """
     n = model.modes.n
-    if n > MODES + 1 and not model.sensors:
+    if n > MODES + 1:
         model = first_modes(model, MODES)
     if not isinstance(model.aero, SampledAero):
         return model, None
@@ -57,7 +57,7 @@ def first_modes(model: AeroelasticModel, n: int) -> AeroelasticModel:
     Parameters
     ----------
     model : AeroelasticModel
-        Without sensors.
+        Any.
     n : int
         Coordinates kept.
 
@@ -69,7 +69,7 @@ def first_modes(model: AeroelasticModel, n: int) -> AeroelasticModel:
     m, aero = model.modes, model.aero
     modes = replace(
         m, M=m.M[:n, :n], D=m.D[:n, :n], K=m.K[:n, :n], names=m.names[:n], units=m.units[:n], phi=m.phi[..., :n],
-        M_control=m.M_control[:n],
+        M_control=m.M_control[:n], relaxing=tuple(replace(branch, K=branch.K[:n, :n]) for branch in m.relaxing),
     )  # fmt: skip
     keep = [*range(n), *range(m.n, len(aero.inputs))]
     inputs = tuple(aero.inputs[k] for k in keep)
@@ -80,8 +80,20 @@ def first_modes(model: AeroelasticModel, n: int) -> AeroelasticModel:
         small = replace(aero, **parts, lag_D=aero.lag_D[:, :n], lag_E=aero.lag_E[:, keep], inputs=inputs)
     springs = tuple(s for s in model.springs if s.mode in modes.names)
     limits = tuple(x for x in model.limits if x.mode in modes.names)
+    sensors = tuple(
+        replace(s, displacement=s.displacement[:n], rate=s.rate[:n], acceleration=s.acceleration[:n])
+        for s in model.sensors
+    )
     return replace(
-        model, modes=modes, aero=small, loads=None, statics=None, rolling=None, springs=springs, limits=limits
+        model,
+        modes=modes,
+        aero=small,
+        loads=None,
+        statics=None,
+        rolling=None,
+        springs=springs,
+        limits=limits,
+        sensors=sensors,
     )
 
 

@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from aeroservo.aircraft import files
-from aeroservo.aircraft.file_errors import dotted, explained
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError, dotted, explained
 from aeroservo.aircraft.schema import kinds
 from aeroservo.aircraft.schema_base import FileModel
 from aeroservo.studio.fields import Kind

@@ -6,8 +6,8 @@ import os
 import re
 from pathlib import Path
 
-from aeroservo.aircraft.file_errors import clean
-from aeroservo.aircraft.files import ModelFileError, write_whole
+from aeroservo.aircraft.file_errors import ModelFileError, clean
+from aeroservo.aircraft.files import write_whole
 
 #: What a file may be called: no separators, no leading dot, nothing that a system reads as a device or a stream.
 _NAME = re.compile(r"\w[\w .,+()@=-]{0,119}")

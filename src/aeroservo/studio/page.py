@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from aeroservo.aircraft.files import ModelFileError, presets
+from aeroservo.aircraft.file_errors import ModelFileError
+from aeroservo.aircraft.files import presets
 from aeroservo.studio.analysis import Air
 from aeroservo.studio.draft import Finding, typed
 from aeroservo.studio.folder import files_in

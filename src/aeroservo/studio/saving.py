@@ -8,7 +8,7 @@ from typing import Any
 
 from nicegui import ui
 
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError
 from aeroservo.studio.folder import saved
 from aeroservo.studio.pool import Died, Refused
 from aeroservo.studio.session import Session

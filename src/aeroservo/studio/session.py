@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from aeroservo.aircraft.file_errors import dotted
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError, dotted
 from aeroservo.studio.analysis import Air, Analysis
 from aeroservo.studio.draft import Draft, Finding, Source, changes, checked, opened
 from aeroservo.studio.folder import saved

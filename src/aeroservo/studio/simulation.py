@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from nicegui import ui
 
-from aeroservo.aircraft.files import ModelFileError
+from aeroservo.aircraft.file_errors import ModelFileError
 from aeroservo.aircraft.schema_other import StateSpaceFile
 from aeroservo.studio.charts import channel_label, history_chart
 from aeroservo.studio.draft import typed
