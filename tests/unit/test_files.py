@@ -114,7 +114,7 @@ def test_no_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         def forbidden(*_: Any, **__: Any) -> None:
             raise PermissionError(13, "Permission denied")
 
-        monkeypatch.setattr(files, "open", forbidden, raising=False)
+        monkeypatch.setattr(file_text, "open", forbidden, raising=False)
     assert "no permission" in refusal(path)
 
 

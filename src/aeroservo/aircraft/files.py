@@ -99,7 +99,7 @@ def parse(text: str, path: Path) -> FileModel:
     >>> parse('kind = "typical_section"', Path("wing.toml"))
     Traceback (most recent call last):
     ...
-    aeroservo.aircraft.files.ModelFileError: wing.toml: section is missing (the aerofoil and its springs)
+    aeroservo.aircraft.file_errors.ModelFileError: wing.toml: section is missing (the aerofoil and its springs)
     """
     try:
         data = tomllib.loads(text)
@@ -142,7 +142,7 @@ def validate(data: dict[str, Any], where: str) -> FileModel:
     >>> validate({"kind": "wing"}, "wing.toml")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    aeroservo.aircraft.files.ModelFileError: wing.toml: kind = 'wing' is not known; did you mean ...
+    aeroservo.aircraft.file_errors.ModelFileError: wing.toml: kind = 'wing' is not known; did you mean ...
     """
     from aeroservo.aircraft.schema import kinds
 
