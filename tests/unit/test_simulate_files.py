@@ -166,6 +166,9 @@ def test_controller_file(tmp_path: Path) -> None:
         ({"inputs": ["a", "a"]}, "differ"),
         ({"limits": {"rudder": 1.0}}, "limits"),
         ({"schema_version": 9}, "schema_version"),
+        ({"delay": 0.005}, "'delay' is no field of a controller file; fields: .*delay_s"),
+        ({"points": [{"dynamic_pressure_Pa": 1.0, "D": [[1, 2]]}], "D": [[1, 2]]}, "'D' is no field"),
+        ({"points": [{"dynamic_pressure_Pa": 1.0, "D": [[1, 2]], "dt_s": 1.0}]}, "'dt_s' is no field in a point"),
         (
             {"points": [{"dynamic_pressure_Pa": 2.0, "D": [[1, 2]]}, {"dynamic_pressure_Pa": 1.0, "D": [[1, 2]]}]},
             "ascend",
@@ -174,7 +177,8 @@ def test_controller_file(tmp_path: Path) -> None:
 )
 def test_bad_controller_files(tmp_path: Path, change: dict[str, object], message: str) -> None:
     """Field and rule are named, and the file."""
-    good = {"D": [[1.0, 2.0]], "inputs": ["a", "b"], "outputs": ["elevon_rad"], "dt_s": 0.01}
+    law = {} if "points" in change else {"D": [[1.0, 2.0]]}
+    good = law | {"inputs": ["a", "b"], "outputs": ["elevon_rad"], "dt_s": 0.01}
     file = tmp_path / "bad.json"
     file.write_text(json.dumps(good | change))
     with pytest.raises(ValueError, match=message) as caught:
@@ -187,7 +191,7 @@ def test_controller_files_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="cannot be read"):
         read_controller(tmp_path / "none.json")
     file = tmp_path / "x.json"
-    for text, message in (("{", "not valid JSON"), ("[]", "one JSON object"), ('{"dt_s": NaN}', "NaN")):
+    for text, message in (("{", "not valid JSON"), ("[]", "one JSON object"), ('{"dt_s": NaN}', "x.json: NaN")):
         file.write_text(text)
         with pytest.raises(ValueError, match=message):
             read_controller(file)

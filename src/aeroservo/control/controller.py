@@ -228,7 +228,7 @@ def read_controller(path: str | Path) -> Controller:
     path = Path(path)
     try:
         if path.stat().st_size > LARGEST:
-            raise ValueError(f"{path}: is larger than {LARGEST / 1e6:.0f} MB")
+            raise ValueError(f"is larger than {LARGEST / 1e6:.0f} MB")
         data = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
@@ -236,6 +236,8 @@ def read_controller(path: str | Path) -> Controller:
         raise ValueError(f"{path}: is not valid JSON: {error}") from None
     except RecursionError:
         raise ValueError(f"{path}: is nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     try:
         return Controller(**fields_of(data))
     except ValueError as error:

@@ -10,6 +10,10 @@ import numpy as np
 
 from aeroservo.datatypes import Array
 
+_LAW = ("A", "B", "C", "D", "windup")
+_HEAD = ("schema_version", "inputs", "outputs", "dt_s", "delay_s", "limits", "interpolation")
+_POINT = ("dynamic_pressure_Pa", "altitude_m", *_LAW)
+
 
 def fields_of(data: Any) -> dict[str, Any]:
     """Fields of a controller from what JSON gives.
@@ -60,6 +64,9 @@ def fields_of(data: Any) -> dict[str, Any]:
         pressures = np.array([_number(p, "dynamic_pressure_Pa", None) for p in points])
         if data.get("interpolation", "linear") != "linear":
             raise ValueError(f"interpolation must be 'linear', got {data['interpolation']!r:.40}")
+    _only(data, (*_HEAD, "points") if pressures is not None else (*_HEAD, *_POINT))
+    for point in points if pressures is not None else ():
+        _only(point, _POINT, " in a point")
     n_in, n_out = len(names["inputs"]), len(names["outputs"])
     told = [*"ABCD", *(["windup"] if any("windup" in p for p in points) else [])]
     stacks = {key: [_matrix(p, key) for p in points] for key in told}
@@ -113,6 +120,13 @@ def no_constant(word: str) -> float:
     ValueError: NaN is not a number of JSON
     """
     raise ValueError(f"{word} is not a number of JSON")
+
+
+def _only(data: Mapping[str, Any], known: tuple[str, ...], where: str = "") -> None:
+    """Refuse a field that nothing reads: a misspelt delay_s would fly without its delay."""
+    other = [key for key in data if key not in known]
+    if other:
+        raise ValueError(f"{other[0]!r:.80} is no field{where} of a controller file; fields: {', '.join(known)}")
 
 
 def _matrix(data: Mapping[str, Any], key: str) -> Array:
