@@ -598,3 +598,12 @@ def test_vendored_scripts_have_their_source_and_licence() -> None:
     folder = files("aeroservo.report") / "assets"
     assert "0.187.0" in (folder / "SOURCE.md").read_text() and "MIT" in (folder / "three.LICENSE.txt").read_text()
     assert "187" in asset("three.min.js")
+
+
+def test_a_point_alone_between_gaps_is_a_dot() -> None:
+    """An SVG path may not end in L: browsers complain on the console."""
+    from aeroservo.report.svg_chart import _path
+
+    nan = float("nan")
+    x = np.array([0.0, nan, 5.0, nan, 10.0, 20.0, 20.01])
+    assert _path(x, x) == "M0.0 0.0h0 M5.0 5.0h0 M10.0 10.0L20.0 20.0 20.0 20.0"

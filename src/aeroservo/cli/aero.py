@@ -7,7 +7,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from aeroservo.cli.angles import csv_bytes, values_of
@@ -17,6 +16,8 @@ from aeroservo.cli.output import complain, heading, number, print_json, table, w
 from aeroservo.cli.polar import Chosen, PolarSource
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from aeroservo.aero.coefficients import AeroCoefficients
     from aeroservo.aero.viscous_wing import WingPolar
     from aeroservo.aeroelastic.aircraft_lattice import AircraftLattice
@@ -112,6 +113,8 @@ def aero(
     ValueError
         For bad input.
     """
+    import numpy as np
+
     from aeroservo.aeroelastic.aircraft_lattice import aircraft_lattice, lattice_coefficients
     from aeroservo.studies.aero_views import WingCase
     from aeroservo.studies.aircraft_aero import kinematic_viscosity, read_aircraft
@@ -208,6 +211,8 @@ def _method(panels: str | None, mach: float) -> Any:
 
 def _marks(case: WingCase, polars: tuple[WingPolar, ...]) -> list[str]:
     """What to know about stalled strips and strips outside their polars."""
+    import numpy as np
+
     from aeroservo.aero.viscous_wing import marks_in_words
 
     notes = []
@@ -231,6 +236,8 @@ def _write(
     loading_out: Path | None,
 ) -> None:
     """The CSV files asked for."""
+    import numpy as np
+
     from aeroservo.aero.viscous_wing import marks_in_words
     from aeroservo.aero.vlm_loads import span_loading
 
@@ -278,6 +285,8 @@ def _columns(polar: WingPolar) -> tuple[np.ndarray, ...]:
 
 def _figure(wanted: AeroFigure, case: WingCase, found: AircraftLattice, lift: float, title: str) -> Any:
     """The figure asked for."""
+    import numpy as np
+
     from aeroservo.report import aero_figures as figures
     from aeroservo.studies.aircraft_aero import inputs_at_lift
 
@@ -331,6 +340,8 @@ def _short(value: float) -> float:
 
 def _print_polars(case: WingCase, polars: tuple[WingPolar, ...]) -> None:
     """The wing's polars for people."""
+    import numpy as np
+
     if not polars:
         typer.echo("\nwith friction drag and the sections' moments: --speed M_S")
         return

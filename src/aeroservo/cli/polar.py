@@ -6,7 +6,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from aeroservo.cli.angles import csv_bytes, values_of
@@ -109,6 +108,8 @@ def polar(
     ValueError
         For bad input.
     """
+    import numpy as np
+
     from aeroservo.studies.aircraft_aero import read_aircraft
     from aeroservo.studies.section_polar import polar_of_files, resampled, section_polar
 
@@ -160,6 +161,8 @@ def _show(
     as_json: bool,
 ) -> None:
     """Write, draw and print a polar."""
+    import numpy as np
+
     ratio = found.CL / found.CD
     degrees, deflections = np.degrees(found.alpha).round(9), np.degrees(found.delta).round(9)
     if out is not None:
@@ -204,6 +207,8 @@ def _show(
 
 def _best(found: Polar, i: int, j: int) -> tuple[float | None, ...]:
     """Best L/D by a running median of three points, so that one wild point cannot win, and the state there."""
+    import numpy as np
+
     from aeroservo.aero.polars import best_lift_to_drag
 
     if np.isfinite(found.CL[i, j] / found.CD[i, j]).sum() < 3:

@@ -24,6 +24,8 @@ from aeroservo.report.svg_chart import chart_svg, legend_entries
 
 #: Rows that a table shows; all are in its CSV.
 MOST_ROWS = 60
+#: Columns of a table that fit half a page; longer texts than this need the whole width as well.
+MOST_COLUMNS, LONG_TEXT = 5, 60
 #: Characters of a text that a cell keeps on one line.
 SHORT = 24
 
@@ -109,8 +111,9 @@ class PageBuilder:
         more = len(table.rows) - MOST_ROWS
         note = f"<p>… and {more} more rows in the CSV.</p>" if more > 0 else ""
         title = f"<h3>{escape(table.title)}</h3>" if table.title else ""
+        wide = " wide" if len(table.columns) > MOST_COLUMNS or _wordy(table) else ""
         return (
-            f'<figure class="table-box" data-table="{number}">{title}<div class="scroll" tabindex="0"><table>'
+            f'<figure class="table-box{wide}" data-table="{number}">{title}<div class="scroll" tabindex="0"><table>'
             f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{note}<figcaption>{inline(table.caption)}"
             '</figcaption><p class="tools"><button type="button" class="csv">CSV</button></p></figure>'
         )
@@ -139,6 +142,11 @@ def inline(text: str) -> str:
         Nothing but text and code elements.
     """
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
+
+
+def _wordy(table: Table) -> bool:
+    """Whether a table has a text that half a page would break into many lines."""
+    return any(isinstance(cell, str) and len(cell) > LONG_TEXT for row in table.rows for cell in row)
 
 
 def file_name(title: str) -> str:

@@ -182,23 +182,22 @@ def _series(series: Series, k: int, x: Axis, y: Axis) -> str:
 
 
 def _path(px: Array, py: Array) -> str:
-    """Path through places; nan breaks it, points that fall together are one."""
-    pieces: list[str] = []
-    last: tuple[float, float] | None = None
+    """Path through places; nan breaks it, points that fall together are one, a point alone is a dot."""
+    runs: list[list[tuple[float, float]]] = [[]]
     held: tuple[float, float] | None = None
     for a, b in zip(px.tolist(), py.tolist()):
+        run = runs[-1]
         if a != a or b != b:
             if held is not None:
-                pieces.append(f"{held[0]:.1f} {held[1]:.1f}")
-            last = held = None
-        elif last is None:
-            pieces.append(f"M{a:.1f} {b:.1f}L")
-            last, held = (a, b), None
-        elif abs(a - last[0]) < NEAR and abs(b - last[1]) < NEAR:
+                run.append(held)
+            held = None
+            runs.append([])
+        elif run and abs(a - run[-1][0]) < NEAR and abs(b - run[-1][1]) < NEAR:
             held = (a, b)
         else:
-            pieces.append(f"{a:.1f} {b:.1f}")
-            last, held = (a, b), None
+            run.append((a, b))
+            held = None
     if held is not None:
-        pieces.append(f"{held[0]:.1f} {held[1]:.1f}")
-    return " ".join(pieces)
+        runs[-1].append(held)
+    pieces = [[f"{a:.1f} {b:.1f}" for a, b in run] for run in runs if run]
+    return " ".join(f"M{one[0]}" + (f"L{' '.join(one[1:])}" if len(one) > 1 else "h0") for one in pieces)

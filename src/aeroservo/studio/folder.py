@@ -45,11 +45,11 @@ def inside(folder: Path, name: str, ending: str) -> Path:
     >>> inside(Path("."), "../wing.toml", ".toml")
     Traceback (most recent call last):
     ...
-    aeroservo.aircraft.file_errors.ModelFileError: file name '../wing.toml': letters, digits, spaces and _ - + . , ( ) @ = ...
+    aeroservo.aircraft.file_errors.ModelFileError: file name '../wing.toml': letters, digits, spaces and ...
     """
     if not _NAME.fullmatch(name) or ".." in name or name.split(".")[0].strip().lower() in _DEVICES or name[-1] in " .":
         raise ModelFileError(
-            f"file name {clean(repr(name), 80)}: letters, digits, spaces and _ - + . , ( ) @ = only, starting with a "
+            f"file name {clean(repr(name), 80)}: letters, digits, spaces and ...y, starting with a "
             "letter, digit or _, no folders"
         )
     if not name.lower().endswith(ending):
