@@ -53,20 +53,6 @@ def test_no_command_and_unknown_commands(cli: Cli) -> None:
     assert "flutter" in answer.err
 
 
-@pytest.mark.parametrize(
-    "command", ["polar", "aero", "design", "simulate", "gust", "envelope", "report", "studio", "study"]
-)
-def test_commands_of_later_versions_say_so(cli: Cli, command: str) -> None:
-    """A command that does not exist yet exits 2 and says that, whatever its options."""
-    if "not in this version" not in cli("--help").out.split(f"\n  {command} ")[1].splitlines()[0]:
-        pytest.skip("this version has it")
-    answer = cli(command, "goland", "--speed", "3", "-o", "x.html", "--json")
-    assert answer.code == 2
-    assert answer.out == ""
-    assert f"'{command}'" in answer.err
-    assert "does not exist yet" in answer.err
-
-
 def test_list(cli: Cli) -> None:
     """`list` gives name, kind and description of each preset."""
     answer = cli("list", "--json")
