@@ -170,7 +170,7 @@ REFUSED = [
     (("--method", "lqr", "--speed", 50, "--q", "1,,1"), "names with commas"),
     (("--method", "lqr", "--speed", 50, "--q", "1", "--r", "1,1"), "--r has 2 values and must have 1"),
     (("--method", "lqr", "--speed", 50, "--q", "1", "--r", "0"), "R must be positive"),
-    (("--method", "lqr", "--speed", 50, "--q", "1", "--rate", "-5"), "--rate must be"),
+    (("--method", "lqr", "--speed", 50, "--q", "1", "--rate", "-5"), "--rate must lie"),
     (("--method", "lqr", "--speed", 50, "--q", "1", "--delay-samples", "1"), "needs --rate HZ"),
     (("--method", "lqr", "--speed", 50, "--q", "1", "--delay-samples", "-1", "--rate", 9), "--delay-samples must be"),
     (("--method", "lqr", "--speeds", "40:60:10", "--q", "1"), "give --rate HZ"),

@@ -137,3 +137,11 @@ def test_table_for_people(cli: Cli) -> None:
     answer = cli("simulate", "bact", "--speed", 110, "--density", 1.0, "--duration", 1)
     assert answer.code == 0
     assert "bounded" in answer.out and "acc_te_m_s2" in answer.out and "Runge-Kutta" in answer.out
+
+
+def test_a_gust_that_never_comes_and_a_seed_that_is_none(cli: Cli) -> None:
+    """The first is said, the second refused."""
+    flight = ("simulate", "thesis-simulation", "--speed", 38, "--duration", 1, "--gust")
+    assert "--gust at 50 s comes after the end" in " ".join(cli(*flight, "sharp:1@50", "--json").json["warnings"])
+    answer = cli(*flight, "sharp:1@0.1", "--seed", "-1")
+    assert answer.code == 2 and "--seed must not be negative" in answer.err

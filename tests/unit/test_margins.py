@@ -331,3 +331,16 @@ def test_a_resonance_crosses_gain_one_between_two_frequencies() -> None:
     assert len(one.gain_crossovers) == 2
     width = omega * zeta * math.sqrt(2e-6)  # |L| = g/sqrt(1 + ((w - w0)/(zeta w0))^2)
     assert [w for w, _ in one.gain_crossovers] == pytest.approx([omega - width, omega + width], abs=0.01 * width)
+
+
+def test_a_sweep_beyond_a_schedule_is_said() -> None:
+    """Dynamic pressures of 100 to 200 Pa; at 1.2 kg/m3 that is 12.9 to 18.3 m/s."""
+    from aeroservo.control.closed_flutter import held_notes
+    from aeroservo.control.controller import Controller
+
+    own = Controller(
+        A=[], B=[], C=[], D=[[[0.0]], [[0.0]]], inputs=("pitch_rad",), outputs=("elevon_rad",), dt_s=0.01,
+        pressures=[100.0, 200.0],
+    )  # fmt: skip
+    assert held_notes(own, FlightCondition(V=[13.0, 18.0], rho=1.2)) == ()
+    assert held_notes(own, FlightCondition(V=[13.0, 19.0], rho=1.2)) == ("the schedule is held outside its 100 to 200 Pa",)

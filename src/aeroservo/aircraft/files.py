@@ -374,7 +374,6 @@ def _with_data(model: FileModel, path: Path) -> FileModel:
     return model
 
 
-
 def _preset(path: Path) -> Preset:
     """Name, kind and the first line of comment."""
     text = path.read_text(encoding="utf-8")

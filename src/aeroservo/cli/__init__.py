@@ -28,6 +28,9 @@ def main() -> None:
             raise SystemExit(1) from None
         complain(str(error))
         raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        complain("interrupted")
+        raise SystemExit(1) from None
     except Exception as error:
         complain(f"internal error, please report it: {type(error).__name__}: {error}")
         raise SystemExit(1) from None

@@ -134,15 +134,14 @@ def aero(
         source=source.value,
         progress=complain,
     )
-    file, condition = case.model, condition_of(altitude, density, 1.0 if speed is None else speed)
+    file, condition = case.model, condition_of(altitude, density, speed or 1.0)
     notes = [*file.problems()]
-    fast = 0.0 if speed is None else float(condition.mach)
+    fast = float(condition.mach)
     if fast > 0.3 and mach == 0.0:
         notes.append(f"{speed:g} m/s is Mach {fast:.2f}: incompressible theory; --mach {fast:.2f} corrects it")
     found = aircraft_lattice(file.surfaces(), file.references(), method=case.method)
     polars = case.polars() if speed is not None else ()
-    if polars:
-        notes += _marks(case, polars)
+    notes += _marks(case, polars)
     tell(notes)
     head = heading(file.name, altitude_of(altitude, density), float(condition.rho), notes)
     coefficients = lattice_coefficients(found)

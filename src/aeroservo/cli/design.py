@@ -272,8 +272,8 @@ def _checked(
 ) -> None:
     """Refuse options that do not go together before any work is done."""
     m = wishes.method
-    if rate is not None and not 0.0 < rate <= 1e6:
-        raise ValueError(f"--rate must be greater than 0 and at most 1e6 [Hz], got {rate:g}")
+    if rate is not None and not 0.1 <= rate <= 1e6:
+        raise ValueError(f"--rate must lie from 0.1 to 1e6 [Hz], got {rate:g}")
     if not 0.0 <= delay <= 100.0:
         raise ValueError(f"--delay-samples must be from 0 to 100 [sample], got {delay:g}")
     if delay and rate is None:

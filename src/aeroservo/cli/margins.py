@@ -91,6 +91,7 @@ def margins(
     ValueError
         For bad input.
     """
+    from aeroservo.control.closed_flutter import held_notes
     from aeroservo.control.controller import read_controller
     from aeroservo.studies.controller_check import controller_check
 
@@ -106,6 +107,7 @@ def margins(
     if speeds is None:
         step = (high - low) / (SPEEDS - 1)
     sweep = condition_of(altitude, density, (low, high, step))
+    notes += held_notes(own, sweep)
     tell(notes)
     height = altitude_of(altitude, density)
     found = controller_check(

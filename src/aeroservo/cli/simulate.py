@@ -193,6 +193,8 @@ def simulate(
     checked_output(plot, PLOTS, "--plot")
     file = read(model)
     plant, flown, notes = _flown(file, speed, profile, altitude, density, aero, fit_bound)
+    if seed < 0:
+        raise ValueError(f"--seed must not be negative, got {seed}")
     gusts = tuple(parse_gust(text) for text in gust or ())
     weather = _weather(turbulence, spectrum, specification)
     doublets = tuple(_doublet(text) for text in doublet or ())
@@ -201,6 +203,9 @@ def simulate(
         start = ((_first_state(plant), KICK),)
         notes.append(f"nothing disturbs the model: it starts with {start[0][0]} = {KICK:g}")
     length = duration if duration is not None else flown.duration or DURATION
+    notes += [
+        f"--gust at {g.start:g} s comes after the end of the run, {length:g} s" for g in gusts if g.start >= length
+    ]
     scenario = Scenario(
         profile=flown,
         duration=length,

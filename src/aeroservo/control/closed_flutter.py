@@ -217,8 +217,36 @@ def _warnings(
         notes.append("nonlinear springs are taken by their linear stiffness, without freeplay")
     if any(controller.limits) or any(a.limit or a.rate_limit for a in model.actuators):
         notes.append("limits of controller and actuators are left out: small motions; larger ones by simulation")
-    if len(controller.pressures) > 1:
-        low, high = float(controller.pressures[0]), float(controller.pressures[-1])
-        if sweep.q.min() < low * (1.0 - 1e-9) or sweep.q.max() > high * (1.0 + 1e-9):
-            notes.append(f"the schedule is held outside its {low:.6g} to {high:.6g} Pa")
-    return tuple(notes)
+    return (*notes, *held_notes(controller, sweep))
+
+
+def held_notes(controller: Controller, sweep: FlightCondition) -> tuple[str, ...]:
+    """Whether a sweep leaves the dynamic pressures of a schedule.
+
+    Parameters
+    ----------
+    controller : Controller
+        With or without a schedule.
+    sweep : FlightCondition
+        Any shape.
+
+    Returns
+    -------
+    notes : tuple of str
+        One sentence if it does: beyond its ends a schedule is held.
+
+    References
+    ----------
+    contract.md, "Controller file (JSON)": no extrapolation beyond the ends.
+
+    Examples
+    --------
+    >>> from aeroservo.control.controller import state_feedback
+    >>> held_notes(state_feedback([[1.0]], ("pitch_rad",), ("elevon_rad",), None), FlightCondition(V=50.0, rho=1.2))
+    ()
+    """
+    low, high = float(controller.pressures[0]), float(controller.pressures[-1])
+    inside = sweep.q.min() >= low * (1.0 - 1e-9) and sweep.q.max() <= high * (1.0 + 1e-9)
+    if inside or len(controller.pressures) < 2:
+        return ()
+    return (f"the schedule is held outside its {low:.6g} to {high:.6g} Pa",)
