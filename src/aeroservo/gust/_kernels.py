@@ -7,7 +7,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def recursion(Ad, Ld, C, x0, noise, hold):  # pragma: no cover - compiled
+def recursion(Ad, Ld, C, x0, noise, hold):
     """y[k] = C[k] x, x <- Ad[k] x + Ld[k] noise[k]; each matrix serves `hold` steps, a single one all."""
     n_t, n_u = noise.shape
     n, n_y = x0.shape[0], C.shape[1]

@@ -24,7 +24,7 @@ SPLITS = 6  # of one step, at corners of its elements
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def element(kind, y, pars, j, memory):  # pragma: no cover - compiled
+def element(kind, y, pars, j, memory):
     """Value of one nonlinear element at its argument; row j of pars (par below) holds its numbers."""
     if kind == SPRING:  # -(force - linear force): par = linear, gap, K, count, c0, c1, ...
         gap = pars[j, 1]
@@ -52,7 +52,7 @@ def element(kind, y, pars, j, memory):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def piece(kind, y, pars, j, memory):  # pragma: no cover - compiled
+def piece(kind, y, pars, j, memory):
     """Number of the smooth piece of an element in which its argument is: a change is a corner."""
     if kind == TABLE:
         i = 0
@@ -67,7 +67,7 @@ def piece(kind, y, pars, j, memory):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
+def steady(Z, count, live, first, xi, out):
     """Part of the first `count` rows that does not change inside a step: what is held, and the one."""
     last = Z.shape[1] - 1
     for r in range(count):
@@ -78,7 +78,7 @@ def steady(Z, count, live, first, xi, out):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # pragma: no cover - compiled
+def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):
     """Fill the phi columns of xi, in order, and their arguments."""
     for j in range(kinds.shape[0]):
         y = fixed[n_x + j]
@@ -91,7 +91,7 @@ def elements(Z, n_x, live, first, kinds, pars, memory, xi, fixed, args):  # prag
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
+def corner(kinds, pars, memory, start, end):
     """Part of a step after which the first element leaves its smooth piece; 1 if none does. Arguments run straight."""
     found = 1.0
     for j in range(kinds.shape[0]):
@@ -109,7 +109,7 @@ def corner(kinds, pars, memory, start, end):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cover - compiled
+def rows(Z, start, count, live, first, n_phi, xi, fixed, out):
     """out = rows start .. start + count of Z times xi, the fixed part being known."""
     for r in range(count):
         total = fixed[start + r]
@@ -121,7 +121,7 @@ def rows(Z, start, count, live, first, n_phi, xi, fixed, out):  # pragma: no cov
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - compiled
+def derivative(Z, n_x, first, kinds, pars, memory, xi):
     """x' for a filled xi (states, inputs and the one); for tests and linearisation."""
     out, fixed = np.empty(n_x), np.empty(Z.shape[0])
     steady(Z, Z.shape[0], n_x, first, xi, fixed)
@@ -131,7 +131,7 @@ def derivative(Z, n_x, first, kinds, pars, memory, xi):  # pragma: no cover - co
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):  # pragma: no cover - compiled
+def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):
     """Gusts, and the rates of the smooth ones, at the fraction f of base step k: held values and 1-cosine pulses."""
     here = path[k] + dt * f * (speed[k] + 0.5 * f * (speed[k + 1] - speed[k]))
     V = speed[k] + f * (speed[k + 1] - speed[k])
@@ -149,7 +149,7 @@ def wind(xi, at, held, k, path, speed, dt, f, cosines, offsets):  # pragma: no c
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
+def interpolate(knots, per_knot, position, out):
     """Rows between knots, linear in time; `position` counts base steps from the first knot."""
     if knots.shape[0] == 1:
         return
@@ -161,7 +161,7 @@ def interpolate(knots, per_knot, position, out):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def measure(ring, ring_at, delays, noise, at, quanta, first, new):  # pragma: no cover - compiled
+def measure(ring, ring_at, delays, noise, at, quanta, first, new):
     """Measured values of a sample into `new` from `first` on: aged, with noise, rounded."""
     length = ring.shape[0]
     for i in range(delays.shape[0]):
@@ -172,7 +172,7 @@ def measure(ring, ring_at, delays, noise, at, quanta, first, new):  # pragma: no
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def blended(matrices, start, count, width, point, weight, values, out):  # pragma: no cover - compiled
+def blended(matrices, start, count, width, point, weight, values, out):
     """out = rows start .. start + count of the matrices between two points, times the first `width` values."""
     low, high = matrices[point], matrices[min(point + 1, matrices.shape[0] - 1)]
     for r in range(count):
@@ -183,7 +183,7 @@ def blended(matrices, start, count, width, point, weight, values, out):  # pragm
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def clipped(value, largest):  # pragma: no cover - compiled
+def clipped(value, largest):
     """The value within its limit; 0 is no limit."""
     return min(max(value, -largest), largest) if largest > 0.0 else value
 
@@ -191,7 +191,7 @@ def clipped(value, largest):  # pragma: no cover - compiled
 @njit(cache=True, nogil=True, error_model="numpy")
 def control(
     matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command
-):  # pragma: no cover - compiled
+):
     """One sample of the controller: measured values -> command within its limits; matrices are blended between points.
 
     Columns of `matrices` are states, measurements and what the limits cut off each command (for the states alone).
@@ -212,7 +212,7 @@ def control(
 @njit(cache=True, nogil=True, error_model="numpy")
 def least_squares(
     phi, target, forget, ceiling, robust, lower, upper, root, theta, noise, push
-):  # pragma: no cover - compiled
+):
     """One step of recursive least squares with forgetting; `root`, `theta`, `noise` change in place; fills `push`.
 
     The covariance is root root', so that it stays symmetric and positive (Potter). noise: variance of each residual,
@@ -262,7 +262,7 @@ def least_squares(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def deviations(root, pile, out):  # pragma: no cover - compiled
+def deviations(root, pile, out):
     """Standard deviation of each parameter, P pile P with P = root root'; returns the trace of P.
 
     pile[j]: what the residuals of target j did to the parameters, block by block, squared and summed. Disturbances of
@@ -290,7 +290,7 @@ def deviations(root, pile, out):  # pragma: no cover - compiled
 def adapt(
     matrices, sizes, weights, at, ring, ring_at, delays, noise, quanta, limits, xc, new, command,
     watch, force, numbers, bounds, shares, scaled, dither, memory, fx, root, theta, spread, block, pile, record,
-):  # fmt: skip  # pragma: no cover - compiled
+):  # fmt: skip
     """One sample of an adaptive controller: identify, judge, and scale what the schedule commands.
 
     `watch` are the matrices of the filter that makes targets and regressors, `force` what a target is divided by;
@@ -369,7 +369,7 @@ def adapt(
 def step_rk4(
     Z, knots, per_knot, n_x, live, first, moving, kinds, pars, memory, xi, x, h, k, f0, f1,
     held, path, speed, dt, cosines, offsets, fixed, args, k1, k2,
-):  # fmt: skip  # pragma: no cover - compiled
+):  # fmt: skip
     """One classical Runge-Kutta step of x; xi holds what is held and the one; k1, k2 are work."""
     n_phi = kinds.shape[0]
     for i in range(n_x):
@@ -408,7 +408,7 @@ def step_rk4(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def settle(n_x, first, kinds, memory, stops, x, xi):  # pragma: no cover - compiled
+def settle(n_x, first, kinds, memory, stops, x, xi):
     """After a step: hard stops of the surfaces, and the memory of elements with play, whose values xi holds."""
     for j in range(stops.shape[0]):
         i, r, largest = int(stops[j, 0]), int(stops[j, 1]), stops[j, 2]
@@ -433,7 +433,7 @@ def run(
     period, computing, first_sample, xc, ring, latest, queue, pipe, pipe_delays, gains, command_limits, commands,
     watch, force, numbers, bounds, shares, scaled, dither, memory_a, fx, root, theta, spread, block, pile, adapted,
     limit_rows, limit_values, statistics, every, record, trace,
-):  # fmt: skip  # pragma: no cover - compiled
+):  # fmt: skip
     """Step `n_step` base steps from step `k_start`; returns code, steps done, records written, row of a limit left.
 
     Code 0: done; 1: a limit was left; 2: overflow. Outputs of the start of each base step go into the statistics
@@ -571,7 +571,7 @@ def run(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def coloured(Ad, Ld, C, hold, start, x, noise, out):  # pragma: no cover - compiled
+def coloured(Ad, Ld, C, hold, start, x, noise, out):
     """Output C x of x <- Ad x + Ld noise over the steps of a piece; x is carried on; matrices serve `hold` steps."""
     n = x.shape[0]
     new = np.empty(n)

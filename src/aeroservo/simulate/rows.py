@@ -343,8 +343,8 @@ def equilibrium(rows: ModelRows) -> Array:
     xi = np.zeros(n_col)
     xi[-1] = 1.0
 
-    def slope(x: Array) -> tuple[Array, Array]:
-        """x' and its Jacobian, the elements by central differences."""
+    def slope(x: Array, width: float) -> tuple[Array, Array]:
+        """x' and its Jacobian, the elements by central differences of a width."""
         xi[:n_x] = x
         gradient = np.zeros((n_phi, n_x))
         for j in range(n_phi):
@@ -352,22 +352,27 @@ def equilibrium(rows: ModelRows) -> Array:
             y = float(row @ xi)
             parameters = np.zeros((1, max(8, len(rows.parameters[j]))))
             parameters[0, : len(rows.parameters[j])] = rows.parameters[j]
-            step = 1e-6 * max(1.0, abs(y))
+            step = width * max(1.0, abs(y))
             xi[rows.phi_at + j] = element(rows.kinds[j], y, parameters, 0, 0.0)
             up, down = (element(rows.kinds[j], y + d, parameters, 0, 0.0) for d in (step, -step))
             inner = row[:n_x] + row[rows.phi_at : rows.phi_at + n_phi] @ gradient
             gradient[j] = (up - down) / (2.0 * step) * inner
         return Z[:n_x] @ xi, Z[:n_x, :n_x] + Z[:n_x, rows.phi_at : rows.phi_at + n_phi] @ gradient
 
-    rate, J = slope(x)
-    if not np.any(rate):
+    if not np.any(slope(x, 1e-6)[0]):
         return x
-    for _ in range(50):
-        if np.linalg.cond(J) > 1e14:
-            raise ValueError("the model has no equilibrium at the start: nothing carries its weight or its steady lift")
-        move = np.linalg.solve(J, -rate)
-        x = x + move
-        rate, J = slope(x)
-        if np.abs(move).max() <= 1e-13 * max(1e-3, np.abs(x).max()):
-            return x
+    for width in (1e-6, 1e-2, 1e-1, 1.0):  # Newton; where play or stall make it wander, chords that span them
+        x = np.zeros(n_x)
+        for _ in range(100):
+            rate, J = slope(x, width)
+            if np.linalg.cond(J) > 1e14:
+                break
+            move = np.linalg.solve(J, -rate)
+            x = x + move
+            if not np.all(np.isfinite(x)):
+                break
+            if np.abs(move).max() <= 1e-13 * max(1e-3, np.abs(x).max()):
+                return x
+    if np.linalg.cond(slope(np.zeros(n_x), 1.0)[1]) > 1e14:
+        raise ValueError("the model has no equilibrium at the start: nothing carries its weight or its steady lift")
     raise ValueError("the equilibrium at the start was not found: check the nonlinear springs and the lift curve")
