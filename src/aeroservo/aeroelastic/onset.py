@@ -38,7 +38,9 @@ class Onset:
     divergence_speed: float | None
 
 
-def onset(model: AeroelasticModel, sweep: FlightCondition, method: Method | None = None) -> Onset:
+def onset(
+    model: AeroelasticModel, sweep: FlightCondition, method: Method | None = None, *, points: int = SEARCH_POINTS
+) -> Onset:
     """Lowest flutter and divergence speeds: those of `flutter`, at a fraction of its time.
 
     Parameters
@@ -49,6 +51,9 @@ def onset(model: AeroelasticModel, sweep: FlightCondition, method: Method | None
         Two or more ascending speeds at one density, shape (n_V,). [m/s, kg/m^3]
     method : P, PK, K or G, optional
         How roots are found; default p-k.
+    points : int
+        Speeds searched beside those of the sweep. With fewer than `flutter` searches, a hump between two of them may be
+        missed: a first answer, not the last word.
 
     Returns
     -------
@@ -83,7 +88,7 @@ def onset(model: AeroelasticModel, sweep: FlightCondition, method: Method | None
             return p_values(model, condition)
         return frequency_roots(model, condition, g_method=isinstance(method, G)).values
 
-    mesh = np.union1d(sweep.V, np.linspace(sweep.V[0], sweep.V[-1], SEARCH_POINTS))
+    mesh = np.union1d(sweep.V, np.linspace(sweep.V[0], sweep.V[-1], points))
     values = values_at(mesh)
     pairs, reals = (int(count[0]) for count in unstable_counts(values[:1], scale))
     changes = boundaries(values_at, mesh, values, scale)

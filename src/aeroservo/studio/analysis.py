@@ -22,6 +22,8 @@ Tell = Callable[[str, float], None]
 
 #: Most speeds of a sweep: the speeds found do not depend on them, curves need no more.
 MOST_SPEEDS = 401
+#: Speeds at which flutter is looked for before the curves are there.
+FIRST_LOOK = 49
 _NAMES = {"P": "p", "PK": "p-k", "K": "k", "G": "g"}
 #: Sweep where the file gives none. [m/s]
 SPEEDS = (1.0, 350.0, 1.0)
@@ -194,7 +196,7 @@ def analyse(text: str, path: Path, air: Air, tell: Tell, partial: Callable[[Anal
     quantity, reverses = reversal(model, sweep[0])
     tell("flutter speed", 0.15)
     ends = sweep[np.array([0, -1])]
-    first = onset(model, ends, method)
+    first = onset(model, ends, method, points=FIRST_LOOK)  # the whole search follows
     already = first.found and first.flutter_speed is None
     speeds = (
         Speed(name="Flutter", value=first.flutter_speed, unit="m/s", remark="" if already else _none_to(sweep)),
