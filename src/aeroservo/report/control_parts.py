@@ -15,9 +15,9 @@ from aeroservo.control.disk_margins import DiskMargin, disk_margin
 from aeroservo.control.margins import LoopMargin, loop_margins
 from aeroservo.datatypes import FlightCondition, LinearSystem
 from aeroservo.report.blocks import Block, Chart, Failed, LivePanel, Mark, Part, Prose, Series, Table
+from aeroservo.report.case_marks import bands, drawn, marks, range_of, thinned, words
 from aeroservo.report.lattice3d import Lattice3D, lattice3d
 from aeroservo.report.live import live_data
-from aeroservo.report.part_tools import bands, drawn, marks, range_of, thinned, words
 from aeroservo.report.scene import history_data, scene_data
 from aeroservo.structure.modal import tip_motion
 from aeroservo.studies.aircraft_report import GUST_ANGLE, ReportCase, Run

@@ -8,7 +8,7 @@ from aeroservo.datatypes import FlightCondition
 from aeroservo.gust.design_gusts import cs25_gradients
 from aeroservo.gust.intensity import constant_turbulence
 from aeroservo.report.blocks import Block, Chart, Failed, Part, Prose, Series, Table
-from aeroservo.report.part_tools import words
+from aeroservo.report.case_marks import words
 from aeroservo.studies.aircraft_report import MACH_LIMIT, ReportCase
 from aeroservo.studies.envelope import envelope
 from aeroservo.studies.gust_loads import GustLoads, design_velocity, gust_loads

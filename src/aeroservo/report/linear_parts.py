@@ -7,7 +7,7 @@ import numpy as np
 from aeroservo.aircraft.schema_other import StateSpaceFile
 from aeroservo.datatypes import LinearSystem
 from aeroservo.report.blocks import Block, Chart, Facts, Mark, Part, Prose, Series, Table
-from aeroservo.report.part_tools import words
+from aeroservo.report.case_marks import words
 from aeroservo.simulate.engine import simulate
 from aeroservo.simulate.profiles import level
 from aeroservo.simulate.scenario import Scenario, Stepping

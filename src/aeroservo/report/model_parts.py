@@ -6,9 +6,9 @@ import numpy as np
 
 from aeroservo.aircraft.aircraft_schema import AircraftFile
 from aeroservo.report.blocks import Block, Chart, Facts, Mark, Part, Prose, Scene, Series, Table
+from aeroservo.report.case_marks import bands, drawn, marks, range_of, words
 from aeroservo.report.figures import shown_branches
 from aeroservo.report.lattice3d import Lattice3D, at_rest, lattice3d, rigid_lattice
-from aeroservo.report.part_tools import bands, drawn, marks, range_of, words
 from aeroservo.report.scene import mode_data, scene_data
 from aeroservo.studies.aircraft_report import MACH_LIMIT, ReportCase
 

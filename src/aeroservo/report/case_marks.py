@@ -1,4 +1,4 @@
-"""What several parts of a report on a model share: marks of its boundaries, numbers in words, thinned curves."""
+"""What a report draws of every model: marks of its boundaries, numbers in words, scenes, ranges of curves."""
 
 from __future__ import annotations
 
